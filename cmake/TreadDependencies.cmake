@@ -1,0 +1,15 @@
+# Every library that tread stands on. Used by the build and by the installed package alike.
+include(CMakeFindDependencyMacro)
+find_dependency(Eigen3 3.4)
+find_dependency(tl-expected)
+find_dependency(fmt)
+find_dependency(TBB)
+find_dependency(yaml-cpp)
+find_dependency(TIFF)
+find_dependency(GeoTIFF)
+find_dependency(OpenCVModules)
+
+# yaml-cpp 0.7 exports a target without a name space and, on Debian, without its include folder.
+if(TARGET yaml-cpp AND NOT TARGET yaml-cpp::yaml-cpp)
+  add_library(yaml-cpp::yaml-cpp ALIAS yaml-cpp)
+endif()

@@ -1,0 +1,16 @@
+# tread_set_up(target): warnings, sanitizers and coverage of our own targets.
+function(tread_set_up target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion)
+  if(TREAD_WARNINGS_AS_ERRORS)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+  if(TREAD_SANITIZE)
+    target_compile_options(${target} PRIVATE -fsanitize=${TREAD_SANITIZE} -fno-omit-frame-pointer
+                                             -fno-sanitize-recover=all)
+    target_link_options(${target} PUBLIC -fsanitize=${TREAD_SANITIZE})
+  endif()
+  if(TREAD_COVERAGE)
+    target_compile_options(${target} PRIVATE --coverage)
+    target_link_options(${target} PUBLIC --coverage)
+  endif()
+endfunction()
