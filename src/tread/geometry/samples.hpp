@@ -1,0 +1,24 @@
+// Time-stamped sensor samples, as every source yields them.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "tread/core/image.hpp"
+#include "tread/geometry/pose.hpp"
+
+namespace tread {
+
+// A pair of images taken at one time, as the cameras gave them (not yet rectified).
+struct StereoFrame {
+  std::int64_t stamp_ns = 0;
+  std::string name;  // how messages call it: "000012"
+  Image<std::uint8_t> left;
+  Image<std::uint8_t> right;
+  Image<Rgb> left_colour;                  // empty if the camera is grey
+  std::optional<Isometry3d> T_world_left;  // if the source knows: left optical axes into a world
+                                           // with z up (REP 103), metres
+};
+
+}  // namespace tread

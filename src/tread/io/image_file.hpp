@@ -1,0 +1,37 @@
+// Image files: PNG, JPEG and PGM through OpenCV's codecs; PFM by our own code.
+// Readers refuse a file that is truncated or whose header promises more than the file can hold,
+// before anything of that size is allocated. Errors name the file and what to do.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "tread/core/image.hpp"
+#include "tread/core/result.hpp"
+
+namespace tread {
+
+// 8-bit grey; colour is converted (BT.601), 16-bit is divided by 256.
+[[nodiscard]] Result<Image<std::uint8_t>> read_grey(const std::filesystem::path& path);
+// Colour as red, green, blue; a grey file gives three equal channels.
+[[nodiscard]] Result<Image<Rgb>> read_colour(const std::filesystem::path& path);
+// One channel, 16 bits, exactly as stored; 8-bit files are refused.
+[[nodiscard]] Result<Image<std::uint16_t>> read_png16(const std::filesystem::path& path);
+// True for files that have colour (three or more channels).
+[[nodiscard]] Result<bool> has_colour(const std::filesystem::path& path);
+
+[[nodiscard]] Status write_png(const std::filesystem::path& path,
+                               ImageView<const std::uint8_t> image);
+[[nodiscard]] Status write_png(const std::filesystem::path& path,
+                               ImageView<const std::uint16_t> image);
+[[nodiscard]] Status write_png(const std::filesystem::path& path, ImageView<const Rgb> image);
+// The bytes of a PNG file, for embedding.
+[[nodiscard]] Result<std::string> encode_png(ImageView<const Rgb> image);
+
+// Portable float map, one channel, as Middlebury writes disparity: rows bottom up, infinite where
+// unknown. Both byte orders are read, little endian is written.
+[[nodiscard]] Result<Image<float>> read_pfm(const std::filesystem::path& path);
+[[nodiscard]] Status write_pfm(const std::filesystem::path& path, ImageView<const float> image);
+
+}  // namespace tread
