@@ -9,6 +9,7 @@
 //   Unprojection unproject(pixel)               unit bearing, and whether the pixel has one
 //   parameters() / set_parameters()             the vector that J_params refers to
 // project() is valid only where the model is one-to-one: there unproject(project(p)) is p / |p|.
+// Elsewhere, and for what is not finite, the pixel and the Jacobians are zero.
 #pragma once
 
 #include <Eigen/Core>
@@ -62,7 +63,8 @@ struct PinholeCamera {
 //   u = fx x_d + skew y_d + cx, v = fy y_d + cy
 // NOTE the order of P1 and P2 is Brown's; OpenCV's (k1 k2 p1 p2 k3 k4 k5 k6) is
 // K1 = k1, K2 = k2, P2 = p1, P1 = p2, K3 = k3, D1..D3 = k4..k6.
-// Valid for Z > 0 and r within the radius up to which the radial part grows.
+// Valid for Z > 0, r within the radius up to which the radial part grows, and where the tangential
+// terms do not fold the image (the determinant of the distortion is positive).
 // Parameters: fx fy cx cy skew lx ly K1..K5 P1..P5 D1..D3.
 struct BrownCamera {
   static constexpr int kParameters = 20;
@@ -77,7 +79,7 @@ struct BrownCamera {
   [[nodiscard]] Unprojection unproject(const Eigen::Vector2d& pixel) const;
   [[nodiscard]] Eigen::VectorXd parameters() const;
   void set_parameters(const Eigen::VectorXd& values);
-  // Largest r at which the radial part still grows (infinity if it always does).
+  // Largest r at which the radial part still grows (infinity if it does up to 1e6). Some 10 us.
   [[nodiscard]] double largest_radius() const;
 };
 
