@@ -1,0 +1,237 @@
+#include "tread/geometry/stereo_rig.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace tread {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+RectifiedRig rig_of(int width) {
+  return rectified_rig(bumblebee2(width)).value();
+}
+
+// The numbers that paper Q prints about its camera, recomputed. Where the paper's figure holds for
+// one of the two image widths only, the test says which.
+
+TEST(PaperQCamera, FocalLengthAndBaseline) {
+  EXPECT_NEAR(rig_of(1024).fx_px, 533.33, 0.005);
+  EXPECT_NEAR(rig_of(640).fx_px, 333.33, 0.005);
+  EXPECT_NEAR(rig_of(1024).baseline_m * rig_of(1024).fx_px, 64.0, 1e-9);
+  EXPECT_NEAR(rig_of(640).baseline_m * rig_of(640).fx_px, 40.0, 1e-9);
+  EXPECT_EQ(rig_of(1024).size, (ImageSize{1024, 768}));
+  EXPECT_EQ(rig_of(640).size, (ImageSize{640, 480}));
+  // Square pixels: 3.6 mm over 768 rows is 4.8 mm over 1024 columns.
+  EXPECT_EQ(rig_of(1024).fx_px, rig_of(1024).fy_px);
+}
+
+TEST(PaperQCamera, SmallestDepth) {
+  EXPECT_NEAR(rig_of(1024).depth_m(100.0), 0.64, 1e-12);
+  EXPECT_NEAR(rig_of(1024).depth_m(100.0), 0.65, 0.015);  // "0.65 m", "over 100 pixels"
+  EXPECT_NEAR(rig_of(1024).disparity_px(0.65), 98.46, 0.005);
+  EXPECT_NEAR(rig_of(640).depth_m(100.0), 0.40, 1e-12);
+}
+
+TEST(PaperQCamera, LargestDepthIsAbove40Metres) {
+  EXPECT_NEAR(rig_of(1024).depth_m(1.0), 64.0, 1e-9);
+  EXPECT_NEAR(rig_of(640).depth_m(1.0), 40.0, 1e-9);
+}
+
+TEST(PaperQCamera, DepthResolutionOfAQuarterPixel) {
+  const double expected_mm[][3] = {{1.0, 3.91, 6.25}, {2.0, 15.63, 25.0}, {3.0, 35.16, 56.25}};
+  const double printed_mm[] = {4.0, 15.0, 35.0};
+  for (int i = 0; i < 3; ++i) {
+    const double z = expected_mm[i][0];
+    EXPECT_NEAR(1e3 * rig_of(1024).depth_resolution_m(z), expected_mm[i][1], 0.006);
+    EXPECT_NEAR(1e3 * rig_of(640).depth_resolution_m(z), expected_mm[i][2], 0.006);
+    EXPECT_NEAR(1e3 * rig_of(1024).depth_resolution_m(z), printed_mm[i], 0.7);
+  }
+  // It is the difference that a quarter pixel makes: the derivative of Eq. 1.
+  const RectifiedRig rig = rig_of(1024);
+  const double d = rig.disparity_px(2.0);
+  EXPECT_NEAR(rig.depth_m(d - 0.125) - rig.depth_m(d + 0.125), rig.depth_resolution_m(2.0), 1e-6);
+}
+
+TEST(PaperQCamera, SearchWindowOf10To74Pixels) {
+  EXPECT_NEAR(rig_of(640).depth_m(10.0), 4.0, 1e-12);
+  EXPECT_NEAR(rig_of(640).depth_m(74.0), 0.541, 5e-4);
+  EXPECT_NEAR(rig_of(1024).depth_m(10.0), 6.40, 1e-12);
+  EXPECT_NEAR(rig_of(1024).depth_m(74.0), 0.865, 5e-4);
+  // The paper's 0.8 m is inside the window at 640 pixels only.
+  EXPECT_NEAR(rig_of(640).disparity_px(0.8), 50.0, 1e-9);
+  EXPECT_NEAR(rig_of(1024).disparity_px(0.8), 80.0, 1e-9);
+}
+
+double field_of_view_deg(double f_px, int width) {
+  return 2.0 * std::atan(0.5 * width / f_px) / kDegree;
+}
+
+TEST(PaperQCamera, FieldOfView) {
+  EXPECT_NEAR(field_of_view_deg(rig_of(1024).fx_px, 1024), 87.7, 0.05);
+  EXPECT_NEAR(field_of_view_deg(rig_of(640).fx_px, 640), 87.7, 0.05);
+  // The paper's 97 degrees would need a shorter focal length than its 2.5 mm.
+  EXPECT_NEAR(field_of_view_deg(453.0, 1024), 97.0, 0.05);
+  EXPECT_NEAR(field_of_view_deg(283.0, 640), 97.0, 0.05);
+}
+
+TEST(PaperQCamera, FootprintAtOneMetre) {
+  for (int width : {1024, 640}) {
+    const RectifiedRig rig = rig_of(width);
+    // Outer borders of the outermost pixels.
+    const Vector3d first = rig.point(-0.5, -0.5, 1.0);
+    const Vector3d last = rig.point(rig.size.width - 0.5, rig.size.height - 0.5, 1.0);
+    EXPECT_NEAR(last.x() - first.x(), 1.92, 1e-9);
+    EXPECT_NEAR(last.y() - first.y(), 1.44, 1e-9);
+    EXPECT_GT((last.x() - first.x()) * (last.y() - first.y()), 2.0);  // "2 square metres"
+  }
+}
+
+TEST(PaperQCamera, MillimetresPerPixelAtOneMetre) {
+  EXPECT_NEAR(1e3 / rig_of(1024).fx_px, 1.9, 0.03);
+  EXPECT_NEAR(1e3 / rig_of(640).fx_px, 3.0, 0.1);
+  // Both are finer than the 3 cm foot.
+  EXPECT_LT(rig_of(640).depth_resolution_m(1.0), 0.03);
+}
+
+TEST(PaperQCamera, GroundSeenFromOneMetreAt55DegreesDown) {
+  const RectifiedRig rig = rig_of(640);
+  const CameraMount mount = level_mount(1.0, 55.0 * kDegree, false);
+  const Eigen::Matrix3d R = mount.T_body_left.linear();
+  // Angle below the horizon of the middle of the upper and of the lower border.
+  const double u = rig.cx_px;
+  const Vector3d upper = R * rig.point(u, -0.5, 1.0);
+  const Vector3d lower = R * rig.point(u, rig.size.height - 0.5, 1.0);
+  const auto below_horizon_deg = [](const Vector3d& ray) {
+    return std::atan2(-ray.z(), ray.x()) / kDegree;
+  };
+  EXPECT_NEAR(below_horizon_deg(upper), 19.2, 0.05);
+  EXPECT_NEAR(below_horizon_deg(lower), 90.8, 0.05);
+  // The ground is hit where the ray has gone down by one metre; `depth` is along the axis.
+  const auto ground = [&mount](const Vector3d& ray) {
+    const double depth = mount.T_body_left.translation().z() / -ray.z();
+    return std::pair(depth, depth * ray.x());
+  };
+  EXPECT_NEAR(ground(upper).second, 2.86, 0.02);
+  EXPECT_NEAR(ground(lower).second, 0.0, 0.02);
+  EXPECT_NEAR(ground(upper).first, 2.46, 0.01);
+  EXPECT_NEAR(ground(lower).first, 0.81, 0.005);
+  EXPECT_NEAR(ground(R.col(2)).second, 0.70, 0.005);
+}
+
+TEST(PaperQCamera, EquationOneGoesThereAndBack) {
+  RectifiedRig rig = rig_of(640);
+  rig.cx_offset_px = 31.0;
+  for (const Vector3d& p : {Vector3d(0.3, -0.2, 1.4), Vector3d(-2.0, 1.0, 9.0)}) {
+    const Vector3d seen = rig.pixel_and_disparity(p);
+    // The right camera sees the point from b further right, about its own principal point.
+    const double u_right =
+        rig.fx_px * (p.x() - rig.baseline_m) / p.z() + rig.cx_px + rig.cx_offset_px;
+    EXPECT_NEAR(seen.z(), seen.x() - u_right, 1e-12);
+    EXPECT_NEAR(rig.depth_m(seen.z()), p.z(), 1e-12);
+    EXPECT_LT((rig.point(seen.x(), seen.y(), p.z()) - p).norm(), 1e-12);
+  }
+  EXPECT_EQ(rig.depth_m(-31.0), kInfinity);
+  EXPECT_EQ(rig.depth_m(-40.0), kInfinity);
+  EXPECT_TRUE(std::isfinite(rig.depth_m(-30.9)));
+  EXPECT_TRUE(std::isnan(rig.depth_m(std::nan(""))));
+}
+
+TEST(StereoRig, LevelMountLooksForwardAndDown) {
+  const CameraMount ahead = level_mount(1.65, 0.0, true);
+  EXPECT_TRUE(ahead.assumed);
+  EXPECT_LT((ahead.T_body_left * Vector3d(0, 0, 2) - Vector3d(2, 0, 1.65)).norm(), 1e-12);
+  EXPECT_LT((ahead.T_body_left * Vector3d(1, 0, 0) - Vector3d(0, -1, 1.65)).norm(), 1e-12);
+  const CameraMount down = level_mount(2.0, 90.0 * kDegree, false);
+  EXPECT_FALSE(down.assumed);
+  EXPECT_LT((down.T_body_left * Vector3d(0, 0, 2)).norm(), 1e-12);
+}
+
+TEST(StereoRig, NamedRigs) {
+  EXPECT_EQ(named_rig("bumblebee2-1024")->size.width, 1024);
+  EXPECT_EQ(named_rig("bumblebee2-640")->size.height, 480);
+  EXPECT_FALSE(named_rig("bumblebee2"));
+  EXPECT_FALSE(named_rig(""));
+}
+
+TEST(StereoRig, CheckNamesWhatIsUnsound) {
+  const StereoRig good = bumblebee2(640);
+  EXPECT_TRUE(check_rig(good));
+  const auto where = [&good](const auto& spoil) {
+    StereoRig rig = good;
+    spoil(rig);
+    const Status status = check_rig(rig);
+    return status ? std::string("sound") : status.error().where;
+  };
+  EXPECT_EQ(where([](StereoRig& rig) { rig.size.width = 0; }), "size");
+  EXPECT_EQ(where([](StereoRig& rig) { rig.size.height = -480; }), "size");
+  EXPECT_EQ(where([](StereoRig& rig) { rig.size = {16385, 10}; }), "size");
+  EXPECT_EQ(where([](StereoRig& rig) { rig.size = {16384, 16384}; }), "size");
+  EXPECT_EQ(where([](StereoRig& rig) { std::get<PinholeCamera>(rig.left).fx = 0; }), "left.fx");
+  EXPECT_EQ(where([](StereoRig& rig) { std::get<PinholeCamera>(rig.right).cy = kInfinity; }),
+            "right.cy");
+  EXPECT_EQ(where([](StereoRig& rig) { rig.T_left_right.linear() *= 1.1; }), "T_left_right");
+  EXPECT_EQ(where([](StereoRig& rig) { rig.T_left_right.linear().col(0) *= -1.0; }),
+            "T_left_right");
+  EXPECT_EQ(where([](StereoRig& rig) { rig.T_left_right.translation().setZero(); }),
+            "T_left_right");
+  EXPECT_EQ(where([](StereoRig& rig) { rig.T_left_right.translation().x() = std::nan(""); }),
+            "T_left_right");
+  EXPECT_EQ(where([](StereoRig& rig) {
+              rig.mount = level_mount(1, 0, false);
+              rig.mount->T_body_left.linear() *= 2.0;
+            }),
+            "mount");
+}
+
+TEST(StereoRig, ARigThatComesRectifiedMustLookLikeIt) {
+  const StereoRig good = bumblebee2(640);
+  const auto where = [&good](const auto& spoil) {
+    StereoRig rig = good;
+    spoil(rig);
+    const auto result = rectified_rig(rig);
+    return result ? std::string("sound") : result.error().where;
+  };
+  EXPECT_EQ(where([](StereoRig& rig) { rig.rectified = false; }), "rectified");
+  EXPECT_EQ(where([](StereoRig& rig) { rig.size.width = 0; }), "size");
+  BrownCamera straight;
+  straight.pinhole = std::get<PinholeCamera>(good.left);
+  EXPECT_EQ(where([&](StereoRig& rig) { rig.left = straight; }), "sound");
+  BrownCamera bent = straight;
+  bent.D[2] = 1e-3;
+  EXPECT_EQ(where([&](StereoRig& rig) { rig.left = bent; }), "left");
+  const PinholeCamera& k = straight.pinhole;
+  const KannalaBrandtCamera wide{k.fx, k.fy, k.cx, k.cy, {}};
+  EXPECT_EQ(where([&](StereoRig& rig) { rig.right = wide; }), "right");
+  EXPECT_EQ(where([](StereoRig& rig) { std::get<PinholeCamera>(rig.right).fx += 0.1; }),
+            "right.fx");
+  EXPECT_EQ(where([](StereoRig& rig) { std::get<PinholeCamera>(rig.right).fy += 0.1; }),
+            "right.fx");
+  EXPECT_EQ(where([](StereoRig& rig) { std::get<PinholeCamera>(rig.right).cy += 0.1; }),
+            "right.cy");
+  EXPECT_EQ(where([](StereoRig& rig) { std::get<PinholeCamera>(rig.left).skew = 0.1; }), "skew");
+  EXPECT_EQ(where([](StereoRig& rig) {
+              rig.T_left_right.linear() = so3_exp({0, 1e-3, 0});
+            }),
+            "T_left_right");
+  EXPECT_EQ(where([](StereoRig& rig) { rig.T_left_right.translation().y() = 1e-3; }),
+            "T_left_right");
+  EXPECT_EQ(where([](StereoRig& rig) { rig.T_left_right.translation() *= -1.0; }), "T_left_right");
+}
+
+TEST(StereoRig, PrincipalPointsMayDiffer) {
+  StereoRig rig = bumblebee2(640);
+  std::get<PinholeCamera>(rig.right).cx += 31.0;
+  const RectifiedRig rectified = rectified_rig(rig).value();
+  EXPECT_EQ(rectified.cx_offset_px, 31.0);
+  EXPECT_NEAR(rectified.disparity_px(4.0), 10.0 - 31.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace tread
