@@ -1,7 +1,10 @@
 // The three classical traversability layers computed from a height map: slope, step height and
 // roughness, and their mean. Definitions and defaults are those of the widely used filters of the
 // traversability_estimation package (Wermelinger et al. 2016), so that results can be compared.
-// 1 is good ground, 0 is bad, NaN is unknown.
+// 1 is good ground, 0 is bad, NaN is unknown: where the height is unknown, and slope and roughness
+// also where fewer than three known cells, or only cells in one line, lie within the radius.
+// A radius too small for the cells of the map is widened to reach the eight neighbours (normal,
+// roughness) or the four (step).
 #pragma once
 
 #include "tread/core/grid.hpp"
