@@ -1,5 +1,6 @@
 #include "tread/core/parallel.hpp"
 
+#include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
@@ -21,7 +22,9 @@ void parallel_chunks(const Context& context, int begin, int end, int grain,
     for (int chunk = 0; chunk < chunks; ++chunk) run_chunk(chunk);
     return;
   }
-  oneapi::tbb::task_arena arena(context.threads);
+  // More threads than the machine has would only be refused.
+  oneapi::tbb::task_arena arena(
+      std::min(context.threads, oneapi::tbb::info::default_concurrency()));
   arena.execute([&] { oneapi::tbb::parallel_for(0, chunks, run_chunk); });
 }
 
