@@ -1,0 +1,70 @@
+// Block matching by the sum of absolute differences over a square window (paper Q, IV-A.1): for
+// every pixel of the reference image the disparity whose window differs least, refined below the
+// pixel, with optional checks.
+//
+//   C(x, d) = sum over the window of |E_ref(x) - E_other(x -+ d)|     (left reference: x - d)
+//   d0 = argmin C, ties to the smaller disparity
+//   delta = (l - r) / (2 (max(l, r) - c)), l, c, r = C(d0 - 1), C(d0), C(d0 + 1)   symmetric V
+//
+// Cost: O(pixels x disparities), whatever the window, by running sums.
+#pragma once
+
+#include "tread/core/options.hpp"
+#include "tread/core/timer.hpp"
+#include "tread/stereo/disparity.hpp"
+
+namespace tread {
+
+enum class Reference { kLeft, kRight };
+enum class SubPixel {
+  kNone,
+  kSymmetricV,  // right for costs that grow linearly from the minimum, as SAD does (METHODS 4)
+  kParabola,
+};
+enum class Border {
+  kFullWindow,  // pixels whose window leaves the image have no match (paper Q's library)
+  kReplicate,   // the window continues with the nearest pixels
+};
+
+struct SadOptions {
+  Reference reference = Reference::kLeft;
+  int window_width_px = 13;  // odd
+  int window_height_px = 5;  // odd; lower than wide suits ground, whose disparity changes by row
+  int min_disparity_px = 0;  // first disparity tried
+  int num_disparities = 64;  // how many are tried
+  Border border = Border::kReplicate;
+  // At the border of the image the whole range does not fit: match there with the part of it that
+  // does, or leave those pixels without match.
+  bool reduced_range_at_border = true;
+  SubPixel sub_pixel = SubPixel::kSymmetricV;
+  int sub_pixel_steps = 64;  // steps a pixel that disparities are rounded to; paper Q: 4
+  // No match where the best disparity is an end of the range, or its neighbours are not both
+  // dearer: nothing says that it is a minimum.
+  bool strict_sub_pixel = true;
+  // No match unless every disparity but the best and its neighbours costs more than the best by
+  // this many per cent. 0: not checked.
+  int uniqueness_percent = 20;
+  // No match where the edge image varies less over the window, grey levels a pixel. 0: not checked.
+  double min_texture = 0.0;
+  // No match unless the best match of the matched pixel is the pixel itself to within this many
+  // disparities. Negative: not checked.
+  int left_right_tolerance_px = 0;
+};
+[[nodiscard]] OptionSet describe(SadOptions& options);
+
+// Working memory, kept between frames.
+class SadMatcher {
+ public:
+  // The images must have one size and at least one pixel, the options be in range (check_options);
+  // both are the caller's to check (StereoMatcher does). No two pixels may differ by more than
+  // largest_difference. `disparity` is resized.
+  void match(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
+             const SadOptions& options, int largest_difference, Image<Disparity>& disparity,
+             const Context& context = {});
+
+ private:
+  Image<std::uint8_t> mirrored_left_;
+  Image<std::uint8_t> mirrored_right_;
+};
+
+}  // namespace tread

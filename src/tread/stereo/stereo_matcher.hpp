@@ -1,0 +1,46 @@
+// The whole way from a rectified pair to a disparity image (paper Q, Fig. 4):
+// edge images -> SAD with checks and sub-pixel -> hole filter -> speckle filter.
+#pragma once
+
+#include "tread/core/result.hpp"
+#include "tread/stereo/edge_image.hpp"
+#include "tread/stereo/hole_filter.hpp"
+#include "tread/stereo/sad_matcher.hpp"
+#include "tread/stereo/speckle_filter.hpp"
+
+namespace tread {
+
+struct StereoOptions {
+  EdgeOptions edges;
+  SadOptions sad;
+  HoleFilterOptions holes;
+  SpeckleOptions speckle;
+};
+[[nodiscard]] OptionSet describe(StereoOptions& options);
+
+// As paper Q ran it: 640x480, right reference, disparities 10 to 74 px, quarter-pixel steps, no
+// uniqueness, texture or left-right check, hole filter over space and time, speckle filter.
+[[nodiscard]] StereoOptions paper_q_stereo_options();
+
+// One a stream: keeps the working memory and the previous frame.
+//   StereoMatcher matcher;
+//   Result<ImageView<const Disparity>> disparity = matcher.match(left, right, options);
+class StereoMatcher {
+ public:
+  // The images must be rectified, 8-bit grey, of one size. The view is valid until the next call.
+  // Errors: empty images, sizes that differ, options out of range, a range wider than the image.
+  [[nodiscard]] Result<ImageView<const Disparity>> match(ImageView<const std::uint8_t> left,
+                                                         ImageView<const std::uint8_t> right,
+                                                         const StereoOptions& options,
+                                                         const Context& context = {});
+
+ private:
+  Image<std::uint8_t> left_edges_;
+  Image<std::uint8_t> right_edges_;
+  Image<Disparity> disparity_;
+  SadMatcher sad_;
+  HoleFilter holes_;
+  SpeckleFilter speckle_;
+};
+
+}  // namespace tread
