@@ -1,0 +1,198 @@
+#include "tread/terrain/cost_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tread {
+
+OptionSet describe(CostOptions& options) {
+  OptionSet set;
+  set.add("knots", options.knots, "cost over squared derivative, piecewise linear");
+  set.add("unexplored_cost", options.unexplored_cost, "cost of ground without derivative", 0.001,
+          1e6);
+  set.add("window_m", options.window_m, "side of the square that is averaged over, m", 0.001,
+          100.0);
+  set.add("cells_per_side", options.cells_per_side, "ground cells along a cost cell", 1, 64);
+  return set;
+}
+
+double interpolate(const Knots& knots, double x) {
+  if (x <= knots.front()[0]) return knots.front()[1];
+  for (std::size_t i = 1; i < knots.size(); ++i) {
+    if (x > knots[i][0]) continue;
+    const auto& a = knots[i - 1];
+    const auto& b = knots[i];
+    return a[1] + (b[1] - a[1]) * (x - a[0]) / (b[0] - a[0]);
+  }
+  return knots.back()[1];
+}
+
+// Weights of the ground cells along one axis: how much of each lies in the window around the centre
+// of a cost cell. The first belongs to ground cell `cells_per_side * X + first_offset`. Paper R's
+// window is 12 ground cells around the middle of one: 13 weights, the outer two half.
+std::vector<double> CostMap::window_weights(int& first_offset) const {
+  const double centre = 0.5 * options_.cells_per_side;
+  const double half = 0.5 * options_.window_m / ground_resolution_m_;
+  first_offset = static_cast<int>(std::floor(centre - half + 1e-9));
+  const int last = static_cast<int>(std::ceil(centre + half - 1e-9));
+  std::vector<double> weights;
+  for (int i = first_offset; i < last; ++i) {
+    weights.push_back(std::min(i + 1.0, centre + half) - std::max<double>(i, centre - half));
+  }
+  return weights;
+}
+
+// The cost cells whose window a ground cell touches.
+CellRect CostMap::window_cells(Cell ground) const {
+  int first = 0;
+  const int count = static_cast<int>(window_weights(first).size());
+  const int k = options_.cells_per_side;
+  // k X + first <= ground < k X + first + count
+  const auto low = [&](int g) { return floor_div(g - first - count, k) + 1; };
+  const auto high = [&](int g) { return floor_div(g - first, k) + 1; };
+  return {{low(ground.x), low(ground.y)}, {high(ground.x), high(ground.y)}};
+}
+
+void CostMap::extend_bounds(Cell cell) {
+  if (bounds_.empty()) bounds_ = {cell, cell};
+  bounds_.first = {std::min(bounds_.first.x, cell.x), std::min(bounds_.first.y, cell.y)};
+  bounds_.last = {std::max(bounds_.last.x, cell.x + 1), std::max(bounds_.last.y, cell.y + 1)};
+}
+
+void CostMap::update(const GlobalMap& ground, std::span<const Cell> changes,
+                     const Context& context) {
+  const ScopedTimer timer(context, "terrain/cost");
+  // Cost cells to compute anew, gathered in one rectangle a tile.
+  std::map<Cell, CellRect> blocks;
+  const auto mark = [&](Cell cell) {
+    CostCell& cost = cells_.touch(cell);
+    if (cost.stale) return;
+    cost.stale = true;
+    CellRect& block = blocks.try_emplace(cells_.tile_of(cell), CellRect{cell, cell}).first->second;
+    block.first = {std::min(block.first.x, cell.x), std::min(block.first.y, cell.y)};
+    block.last = {std::max(block.last.x, cell.x + 1), std::max(block.last.y, cell.y + 1)};
+  };
+  CellRect before;
+  for (const Cell& change : changes) {
+    const CellRect touched = window_cells(change);
+    if (touched == before) continue;  // neighbours mostly touch the same cells
+    before = touched;
+    for (int y = touched.first.y; y < touched.last.y; ++y) {
+      for (int x = touched.first.x; x < touched.last.x; ++x) mark({x, y});
+    }
+  }
+  for (const auto& [tile, block] : blocks) refresh(ground, block);
+}
+
+// Weighted means of a block of cost cells, along x and then along y. Every cell is summed in the
+// same order whatever the block, so that updates and full computations agree to the bit.
+void CostMap::refresh(const GlobalMap& ground, const CellRect& block) {
+  int first = 0;
+  const std::vector<double> weights = window_weights(first);
+  const int taps = static_cast<int>(weights.size());
+  const int k = options_.cells_per_side;
+  const int ground_rows = k * (block.rows() - 1) + taps;
+  const int ground_columns = k * (block.columns() - 1) + taps;
+  const Cell ground_first{k * block.first.x + first, k * block.first.y + first};
+
+  std::vector<double> costs(static_cast<std::size_t>(ground_columns));
+  std::vector<double> along_x(static_cast<std::size_t>(ground_rows) *
+                              static_cast<std::size_t>(block.columns()));
+  double total_weight = 0.0;
+  for (double w : weights) total_weight += w;
+  total_weight *= total_weight;
+  for (int j = 0; j < ground_rows; ++j) {
+    for (int i = 0; i < ground_columns; ++i) {
+      const GroundCell* cell = ground.find({ground_first.x + i, ground_first.y + j});
+      costs[static_cast<std::size_t>(i)] = cell != nullptr && cell->explored()
+                                               ? interpolate(options_.knots, cell->derivative)
+                                               : options_.unexplored_cost;
+    }
+    for (int x = 0; x < block.columns(); ++x) {
+      double sum = 0.0;
+      for (int t = 0; t < taps; ++t) {
+        sum += weights[static_cast<std::size_t>(t)] * costs[static_cast<std::size_t>(k * x + t)];
+      }
+      along_x[static_cast<std::size_t>(j * block.columns() + x)] = sum;
+    }
+  }
+  for (int y = 0; y < block.rows(); ++y) {
+    for (int x = 0; x < block.columns(); ++x) {
+      const Cell cell{block.first.x + x, block.first.y + y};
+      CostCell& cost = cells_.touch(cell);
+      if (!cost.stale) continue;
+      double sum = 0.0;
+      for (int t = 0; t < taps; ++t) {
+        sum += weights[static_cast<std::size_t>(t)] *
+               along_x[static_cast<std::size_t>((k * y + t) * block.columns() + x)];
+      }
+      cost.stale = false;
+      cost.ground = static_cast<float>(sum / total_weight);
+      extend_bounds(cell);
+    }
+  }
+}
+
+void CostMap::raise(const Obstacle& obstacle, bool clear) {
+  const GridGeometry geometry{resolution_m(), {0.0, 0.0}, 0, 0};
+  const Eigen::Vector2d reach = Eigen::Vector2d::Constant(obstacle.radius_m);
+  const Cell low = geometry.cell_at(obstacle.centre - reach);
+  const Cell high = geometry.cell_at(obstacle.centre + reach);
+  const double half = 0.5 * resolution_m();
+  for (int y = low.y; y <= high.y; ++y) {
+    for (int x = low.x; x <= high.x; ++x) {
+      // Distance from the centre of the disc to the nearest point of the cell.
+      const Eigen::Vector2d offset =
+          (obstacle.centre - geometry.centre({x, y})).cwiseAbs() - Eigen::Vector2d::Constant(half);
+      if (offset.cwiseMax(0.0).norm() > obstacle.radius_m) continue;
+      CostCell& cell = cells_.touch({x, y});
+      extend_bounds({x, y});
+      cell.obstacle = clear ? 0.0F : std::max(cell.obstacle, static_cast<float>(obstacle.cost));
+    }
+  }
+}
+
+Status CostMap::set_obstacles(ObstacleList list, std::vector<Obstacle> obstacles) {
+  for (const Obstacle& disc : obstacles) {
+    const bool sound = disc.centre.allFinite() && disc.centre.cwiseAbs().maxCoeff() < 1e7 &&
+                       disc.radius_m >= 0.0 && disc.radius_m <= 100.0 && disc.cost >= 0.0;
+    if (sound) continue;
+    return fail(ErrorCode::kBadValue, "a disc with a centre, radius or cost that cannot be",
+                "obstacles", "Give finite centres, radii of 0 to 100 m, costs of 0 or more");
+  }
+  for (const Obstacle& old : obstacles_[list]) raise(old, true);
+  obstacles_[list] = std::move(obstacles);
+  // Also the other lists: their discs may lie below a cleared one.
+  for (const auto& [name, discs] : obstacles_) {
+    for (const Obstacle& disc : discs) raise(disc, false);
+  }
+  return {};
+}
+
+float CostMap::at(Cell cell) const {
+  const CostCell* found = cells_.find(cell);
+  if (found == nullptr) return std::numeric_limits<float>::quiet_NaN();
+  if (found->obstacle <= 0.0F) return found->ground;
+  return std::isnan(found->ground) ? found->obstacle : std::max(found->ground, found->obstacle);
+}
+
+Grid<float> CostMap::grid() const {
+  Grid<float> grid(GridGeometry{resolution_m(),
+                                resolution_m() * Eigen::Vector2d(bounds_.first.x, bounds_.first.y),
+                                bounds_.columns(), bounds_.rows()});
+  for (int y = 0; y < bounds_.rows(); ++y) {
+    for (int x = 0; x < bounds_.columns(); ++x) {
+      grid[{x, y}] = at({bounds_.first.x + x, bounds_.first.y + y});
+    }
+  }
+  return grid;
+}
+
+void CostMap::add_layer(MapLayers& map) const {
+  map.layers.push_back(
+      {"cost", "1", "what it costs to be there, mean over the robot's square", grid()});
+  map.numbers["unexplored_cost"] = options_.unexplored_cost;
+  map.numbers["cost_window_m"] = options_.window_m;
+}
+
+}  // namespace tread

@@ -1,0 +1,106 @@
+#include "tread/terrain/local_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tread/geometry/pose.hpp"
+
+namespace tread {
+namespace {
+
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+GridGeometry local_geometry(const LocalMapOptions& options) {
+  const auto cells = [&](double length_m) {
+    return std::max(0, static_cast<int>(std::ceil(length_m / options.resolution_m - 1e-9)));
+  };
+  const int ahead = cells(options.range_m), behind = cells(options.behind_m);
+  return {options.resolution_m,
+          {-behind * options.resolution_m, -ahead * options.resolution_m},
+          ahead + behind,
+          2 * ahead};
+}
+
+}  // namespace
+
+OptionSet describe(LocalMapOptions& options) {
+  OptionSet set;
+  set.add("resolution_m", options.resolution_m, "side of a cell, m", 0.001, 10.0);
+  set.add("range_m", options.range_m, "reach ahead, left and right, m", 0.01, 1000.0);
+  set.add("behind_m", options.behind_m, "reach behind, m", 0.0, 1000.0);
+  set.add("min_points", options.min_points, "points that a known cell has at least", 1, 1000);
+  set.add_choice(
+      "height", options.height, "height of a cell: mean or maximum of its points",
+      {{"mean", LocalMapOptions::Height::kMean}, {"max", LocalMapOptions::Height::kMax}});
+  set.add("max_height_m", options.max_height_m, "points higher than this are left out, m");
+  set.add("min_height_m", options.min_height_m, "points lower than this are left out, m");
+  return set;
+}
+
+Eigen::Matrix3d R_level_body(const Eigen::Matrix3d& R_world_body) {
+  const YawPitchRoll angles = yaw_pitch_roll(R_world_body);
+  return rotation_from_yaw_pitch_roll(0.0, angles.pitch_rad, angles.roll_rad);
+}
+
+const Grid<float>& LocalMapBuilder::build(std::span<const Eigen::Vector3f> points,
+                                          const Eigen::Isometry3d& T_level_points,
+                                          const LocalMapOptions& options, const Context& context) {
+  const ScopedTimer timer(context, "terrain/local");
+  const GridGeometry geometry = local_geometry(options);
+  sums_.geometry = heights_.geometry = geometry;
+  sums_.values.assign(geometry.size(), Sum{});
+  heights_.values.assign(geometry.size(), kUnknown);
+
+  const Eigen::Matrix3f R = T_level_points.linear().cast<float>();
+  const Eigen::Vector3f t = T_level_points.translation().cast<float>();
+  const auto low = static_cast<float>(options.min_height_m);
+  const auto high = static_cast<float>(options.max_height_m);
+  const auto scale = static_cast<float>(1.0 / geometry.resolution_m);
+  const Eigen::Vector2f origin = geometry.origin.cast<float>();
+  const bool take_max = options.height == LocalMapOptions::Height::kMax;
+  for (const Eigen::Vector3f& point : points) {
+    const Eigen::Vector3f p = R * point + t;
+    // Comparisons are false for what is not finite.
+    if (!(p.z() >= low && p.z() <= high)) continue;
+    const float x = std::floor((p.x() - origin.x()) * scale);
+    const float y = std::floor((p.y() - origin.y()) * scale);
+    if (!(x >= 0.0F && y >= 0.0F && x < static_cast<float>(geometry.columns) &&
+          y < static_cast<float>(geometry.rows))) {
+      continue;
+    }
+    Sum& sum = sums_[{static_cast<int>(x), static_cast<int>(y)}];
+    if (!take_max) {
+      sum.height += p.z();
+    } else if (sum.points == 0 || p.z() > sum.height) {
+      sum.height = p.z();
+    }
+    ++sum.points;
+  }
+  for (std::size_t i = 0; i < sums_.values.size(); ++i) {
+    const Sum& sum = sums_.values[i];
+    if (sum.points < options.min_points) continue;
+    heights_.values[i] = static_cast<float>(take_max ? sum.height : sum.height / sum.points);
+  }
+  return heights_;
+}
+
+void sobel_squared(const Grid<float>& height, Grid<float>& derivative, const Context& context) {
+  const ScopedTimer timer(context, "terrain/derivative");
+  const GridGeometry& geometry = height.geometry;
+  derivative.geometry = geometry;
+  derivative.values.assign(geometry.size(), kUnknown);
+  for (int y = 1; y + 1 < geometry.rows; ++y) {
+    for (int x = 1; x + 1 < geometry.columns; ++x) {
+      const float nw = height[{x - 1, y + 1}], n = height[{x, y + 1}], ne = height[{x + 1, y + 1}];
+      const float w = height[{x - 1, y}], c = height[{x, y}], e = height[{x + 1, y}];
+      const float sw = height[{x - 1, y - 1}], s = height[{x, y - 1}], se = height[{x + 1, y - 1}];
+      const float sx = ne + 2.0F * e + se - nw - 2.0F * w - sw;
+      const float sy = nw + 2.0F * n + ne - sw - 2.0F * s - se;
+      // NaN spreads from any of the eight; the centre has no weight and is asked for itself.
+      if (!std::isnan(c)) derivative[{x, y}] = sx * sx + sy * sy;
+    }
+  }
+}
+
+}  // namespace tread

@@ -1,0 +1,57 @@
+// The local height map of one stereo frame, in the levelled frame of the robot: paper R,
+// "Coordinate Transformations" and "Taking a Derivative".
+//
+// Levelled frame: origin at the body's origin, z up against gravity, x ahead (the body's x axis
+// projected onto the horizontal plane), y left: the body turned back by its pitch and roll, not by
+// its yaw.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <span>
+
+#include "tread/core/grid.hpp"
+#include "tread/core/options.hpp"
+#include "tread/core/timer.hpp"
+
+namespace tread {
+
+struct LocalMapOptions {
+  double resolution_m = 0.1;  // side of a cell; paper R: 0.1
+  double range_m = 6.0;       // the map reaches this far ahead, left and right; paper R: 6
+  double behind_m = 0.0;      // and this far back, for cameras that look down or back
+  int min_points = 2;         // a cell with fewer is unknown
+  enum class Height { kMean, kMax } height = Height::kMean;
+  double max_height_m = 3.0;  // points higher above the levelled origin are left out: what a robot
+                              // can pass below
+  double min_height_m = -10.0;
+};
+[[nodiscard]] OptionSet describe(LocalMapOptions& options);
+
+// R_level_body for an attitude: Ry(pitch) Rx(roll) of T_world_body, its yaw left out (Eq. 1).
+[[nodiscard]] Eigen::Matrix3d R_level_body(const Eigen::Matrix3d& R_world_body);
+
+// Heights of the points, NaN where fewer than min_points fell. T_level_points maps the points into
+// the levelled frame. Points that are not finite are left out. The sums are made in the order of
+// the points, so the result is the same on every run. Cost: O(points + cells).
+class LocalMapBuilder {
+ public:
+  [[nodiscard]] const Grid<float>& build(std::span<const Eigen::Vector3f> points,
+                                         const Eigen::Isometry3d& T_level_points,
+                                         const LocalMapOptions& options,
+                                         const Context& context = {});
+
+ private:
+  struct Sum {
+    double height = 0.0;  // sum or maximum
+    int points = 0;
+  };
+  Grid<Sum> sums_;
+  Grid<float> heights_;
+};
+
+// Squared Sobel response (paper R, Eq. 2 without the root): (s fx)^2 + (s fy)^2 over the 3x3 cells
+// around each cell, metres squared; NaN unless all nine are known, so that the border of the known
+// area gives none. A slope g over cells of 0.1 m gives 0.64 g^2, a step of h gives 16 h^2.
+void sobel_squared(const Grid<float>& height, Grid<float>& derivative, const Context& context = {});
+
+}  // namespace tread
