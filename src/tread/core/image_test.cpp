@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tread/core/shrink.hpp"
+
 namespace tread {
 namespace {
 
@@ -43,6 +45,27 @@ TEST(Image, ViewBorrowsForeignRows) {
   const ImageView<const int> read_only = view;
   EXPECT_EQ(read_only(0, 2), 6);
   EXPECT_TRUE(ImageView<int>{}.empty());
+}
+
+TEST(Shrink, BlocksBecomeTheirMeanRoundedToNearest) {
+  Image<std::uint8_t> image(5, 4);
+  for (int y = 0; y < 4; ++y) {
+    for (int x = 0; x < 5; ++x) image(x, y) = static_cast<std::uint8_t>(10 * x + y);
+  }
+  Image<std::uint8_t> small;
+  shrink(image, 2, small);
+  ASSERT_EQ(small.width, 2);  // the fifth column is half a block
+  ASSERT_EQ(small.height, 2);
+  EXPECT_EQ(small(0, 0), 6);   // 0 1 10 11: 5.5
+  EXPECT_EQ(small(1, 1), 28);  // 22 23 32 33: 27.5
+  shrink(image, 1, small);
+  EXPECT_TRUE(small == image);
+  shrink(Image<std::uint8_t>(1, 1, 9), 4, small);
+  EXPECT_EQ(small(0, 0), 9);
+  Image<Rgb> colour(2, 2, {0, 100, 200}), mean;
+  colour(0, 0) = {8, 104, 255};
+  shrink(colour, 2, mean);
+  EXPECT_EQ(mean(0, 0), (Rgb{2, 101, 214}));
 }
 
 }  // namespace
