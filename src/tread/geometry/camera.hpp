@@ -79,7 +79,7 @@ struct BrownCamera {
   [[nodiscard]] Unprojection unproject(const Eigen::Vector2d& pixel) const;
   [[nodiscard]] Eigen::VectorXd parameters() const;
   void set_parameters(const Eigen::VectorXd& values);
-  // Largest r at which the radial part still grows (infinity if it does up to 1e6). Some 10 us.
+  // Largest r at which the radial part still grows (infinity if it does up to 1e6). A few us.
   [[nodiscard]] double largest_radius() const;
 };
 

@@ -1,6 +1,6 @@
 // Where a polynomial c[0] + c[1] x + c[2] x^2 + ... stays positive, seen from x = 0. Camera models
 // are one-to-one as far as the derivative of their radial part is positive, and ask this for every
-// point they project: some 20 ns for usual lenses, a few 100 ns close to the border.
+// point: a projection takes 30 to 90 ns with it.
 //
 // Method: the Bernstein coefficients of a polynomial on an interval bound it from below, so it is
 // positive if they are; otherwise the interval is halved (Lane and Riesenfeld 1981). A sampled

@@ -1,4 +1,5 @@
-// Cost: the tables of a 640 x 480 pair about 0.1 s, once; remap about 3 ns a pixel and thread.
+// Cost: the tables of a 640 x 480 pair some 40 ms, once; remap about 3 ns a grey pixel, 6 ns a
+// coloured one, on one thread.
 #include "tread/geometry/rectification.hpp"
 
 #include <cassert>

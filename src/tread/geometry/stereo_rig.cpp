@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "tread/core/shrink.hpp"
+
 namespace tread {
 namespace {
 
@@ -106,6 +108,15 @@ Result<RectifiedRig> rectified_rig(const StereoRig& rig) {
   }
   return RectifiedRig{rig.size,           left.fx,     left.fy, left.cx, left.cy,
                       right.cx - left.cx, baseline.x()};
+}
+
+StereoRig shrunk(const StereoRig& rig, int factor) {
+  if (factor <= 1) return rig;
+  StereoRig small = rig;
+  small.size = {shrunk_size(rig.size.width, factor), shrunk_size(rig.size.height, factor)};
+  small.left = scaled(rig.left, 1.0 / factor);
+  small.right = scaled(rig.right, 1.0 / factor);
+  return small;
 }
 
 CameraMount level_mount(double height_m, double pitch_rad, bool assumed) {

@@ -58,6 +58,9 @@ struct RectifiedRig {
 // (rotation, different focal lengths, distortion, baseline not along x).
 [[nodiscard]] Result<RectifiedRig> rectified_rig(const StereoRig& rig);
 
+// The rig of the same images shrunk by a whole factor (core/shrink.hpp).
+[[nodiscard]] StereoRig shrunk(const StereoRig& rig, int factor);
+
 // Mount of a camera `height_m` above the ground that looks forward, down by `pitch_rad`.
 [[nodiscard]] CameraMount level_mount(double height_m, double pitch_rad, bool assumed);
 

@@ -233,5 +233,16 @@ TEST(StereoRig, PrincipalPointsMayDiffer) {
   EXPECT_NEAR(rectified.disparity_px(4.0), 10.0 - 31.0, 1e-9);
 }
 
+TEST(ShrunkRig, SeesTheSameDepths) {
+  const StereoRig full = bumblebee2(1024);
+  const auto small = rectified_rig(shrunk(full, 2));
+  const auto large = rectified_rig(full);
+  ASSERT_TRUE(small && large);
+  EXPECT_EQ(small->size, (ImageSize{512, 384}));
+  EXPECT_NEAR(small->depth_m(10.0), large->depth_m(20.0), 1e-9);
+  // The corner of four pixels is a pixel's centre afterwards.
+  EXPECT_LT((small->point(100, 50, 2.0) - large->point(200.5, 100.5, 2.0)).norm(), 1e-9);
+}
+
 }  // namespace
 }  // namespace tread
