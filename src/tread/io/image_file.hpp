@@ -1,6 +1,8 @@
-// Image files: PNG, JPEG and PGM through OpenCV's codecs; PFM by our own code.
+// Image files: PNG and JPEG through OpenCV's codecs; PGM, PPM and PFM by our own code.
 // Readers refuse a file that is truncated or whose header promises more than the file can hold,
 // before anything of that size is allocated. Errors name the file and what to do.
+// Pixels come as they are stored: an orientation in a JPEG's EXIF data is not applied, for it would
+// turn the image against its calibration.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +11,12 @@
 
 #include "tread/core/image.hpp"
 #include "tread/core/result.hpp"
+#include "tread/geometry/camera.hpp"
 
 namespace tread {
 
-// 8-bit grey; colour is converted (BT.601), 16-bit is divided by 256.
+// 8-bit grey; colour is converted (BT.601), 16-bit is divided by 256. A palette gives its colours,
+// alpha is left out.
 [[nodiscard]] Result<Image<std::uint8_t>> read_grey(const std::filesystem::path& path);
 // Colour as red, green, blue; a grey file gives three equal channels.
 [[nodiscard]] Result<Image<Rgb>> read_colour(const std::filesystem::path& path);
@@ -20,6 +24,15 @@ namespace tread {
 [[nodiscard]] Result<Image<std::uint16_t>> read_png16(const std::filesystem::path& path);
 // True for files that have colour (three or more channels).
 [[nodiscard]] Result<bool> has_colour(const std::filesystem::path& path);
+// Width and height without decoding; the file is checked to be complete.
+[[nodiscard]] Result<ImageSize> read_image_size(const std::filesystem::path& path);
+
+// Both from one decoding; `colour` is empty for a grey file.
+struct GreyAndColour {
+  Image<std::uint8_t> grey;
+  Image<Rgb> colour;
+};
+[[nodiscard]] Result<GreyAndColour> read_grey_and_colour(const std::filesystem::path& path);
 
 [[nodiscard]] Status write_png(const std::filesystem::path& path,
                                ImageView<const std::uint8_t> image);
@@ -30,7 +43,8 @@ namespace tread {
 [[nodiscard]] Result<std::string> encode_png(ImageView<const Rgb> image);
 
 // Portable float map, one channel, as Middlebury writes disparity: rows bottom up, infinite where
-// unknown. Both byte orders are read, little endian is written.
+// unknown. Both byte orders are read, little endian is written. The scale in the header only tells
+// the byte order, as with Middlebury.
 [[nodiscard]] Result<Image<float>> read_pfm(const std::filesystem::path& path);
 [[nodiscard]] Status write_pfm(const std::filesystem::path& path, ImageView<const float> image);
 

@@ -1,5 +1,5 @@
 // Float rasters: GeoTIFF for grids on the ground, plain TIFF for depth images. Both float32,
-// deflate compressed, NaN for unknown, readable by QGIS and GDAL.
+// deflate compressed, NaN for unknown, readable by QGIS and GDAL. Values come back bit by bit.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,9 @@ namespace tread {
 // North up: row 0 of the file is the largest y. Local engineering coordinates in metres
 // (no earth reference); pixel size, origin and the no-data value NaN are stored.
 [[nodiscard]] Status write_geotiff(const std::filesystem::path& path, const Grid<float>& grid);
-// Reads what write_geotiff wrote and any single-band north-up float32 GeoTIFF with square pixels.
+// Reads what write_geotiff wrote and any single-band north-up float32 GeoTIFF with square pixels,
+// striped or tiled; another no-data value becomes NaN. The origin's y is that of the lower border,
+// counted from the upper one that the file stores: exact to rounding.
 [[nodiscard]] Result<Grid<float>> read_geotiff(const std::filesystem::path& path);
 
 // An image of floats without georeference, row 0 first.

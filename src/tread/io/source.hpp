@@ -22,12 +22,13 @@ class StereoSource {
   StereoSource& operator=(const StereoSource&) = delete;
 
   [[nodiscard]] virtual const StereoRig& rig() const = 0;
+  // Frames that next() will try to read, also those that will turn out to be bad.
   [[nodiscard]] virtual int frame_count() const = 0;
   [[nodiscard]] virtual bool has_poses() const = 0;
   // What it is: "KITTI odometry folder".
   [[nodiscard]] virtual std::string kind() const = 0;
-  // The next frame; empty after the last. After an error the next call goes on with the frame
-  // behind the bad one.
+  // The next frame; empty after the last. An error names the file: an image that is missing, cannot
+  // be read, or has another size than the rig. The next call goes on with the frame behind it.
   [[nodiscard]] virtual Result<std::optional<StereoFrame>> next() = 0;
 };
 
@@ -38,14 +39,23 @@ struct SourceOptions {
 
 // `path` is one of
 //   a KITTI odometry sequence: image_0 image_1 (or image_2 image_3, image_l image_r), calib.txt,
-//     times.txt if there (else 10 Hz), poses.txt if there (also ../../poses/NN.txt). Poses map the
-//     left camera into the first left camera; the world is x forward, y left, z up below it. The
-//     published mount height of KITTI, 1.65 m, level, is used unless the rig file brings one.
-//   a folder of left/right images with a rig file: left/ and right/ (or cam0/data, cam1/data;
-//     image_left, image_right), or NAME_left.png beside NAME_right.png; rig.yaml in it or
-//     options.rig. File stems that are whole numbers of 16 or more digits are stamps in
-//     nanoseconds; otherwise frames are numbered at 10 Hz.
-// TUM poses are matched by time (see pose_at), KITTI poses by frame number.
+//     times.txt if there (else 10 Hz), poses.txt if there (also ../../poses/NN.txt). The published
+//     mount height of KITTI, 1.65 m, level, is used unless the rig file brings one; image_2 and
+//     image_3 take P2 and P3 of calib.txt.
+//   a folder of left/right images with a rig file: left/ and right/ (or image_left and
+//     image_right; cam0/data and cam1/data, also in mav0/), or NAME_left.png beside NAME_right.png;
+//     rig.yaml in it, or what else read_rig finds in the folder, or options.rig; poses.txt if
+//     there. File stems that are whole numbers of 16 or more digits are stamps in nanoseconds;
+//     otherwise frames are numbered at 10 Hz.
+// Frames are in order of their numbers if all stems are numbers, else of their names, and are
+// paired by name; a stem that is a number below 16 digits is the number of the frame.
+//
+// Poses of KITTI (12 numbers a line) are matched by frame number, map the left camera into the
+// first left one, and are turned into a world with x forward, y left, z up whose origin is on the
+// ground below the first camera: T_world_left = T_body_left(mount) T_first_left. Without a mount
+// (only in the second kind of folder) that origin is in the first camera. Poses in TUM format (8
+// numbers a line) are matched by time (see pose_at) and taken as T_world_left as they are. A frame
+// that has none has no T_world_left.
 [[nodiscard]] Result<std::unique_ptr<StereoSource>> open_stereo_source(
     const std::filesystem::path& path, const SourceOptions& options = {});
 

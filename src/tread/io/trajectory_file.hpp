@@ -2,6 +2,7 @@
 // KITTI poses (3x4 row-major matrices, one a line, no time).
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <vector>
 
@@ -10,11 +11,16 @@
 
 namespace tread {
 
-// Times must increase strictly; a line that cannot be read is named by its number.
+// Times must increase strictly; a line that cannot be read is named by its number. Nanoseconds are
+// read exactly, quaternions normalised.
 [[nodiscard]] Result<Trajectory> read_tum_trajectory(const std::filesystem::path& path);
 // Nanoseconds are written exactly.
 [[nodiscard]] Status write_tum_trajectory(const std::filesystem::path& path,
                                           const Trajectory& trajectory);
+// Rotations that are off by rounding are made orthonormal; others are refused.
 [[nodiscard]] Result<std::vector<Isometry3d>> read_kitti_poses(const std::filesystem::path& path);
+
+// One time in seconds a line, strictly increasing, as KITTI's times.txt; exact nanoseconds.
+[[nodiscard]] Result<std::vector<std::int64_t>> read_times(const std::filesystem::path& path);
 
 }  // namespace tread

@@ -1,0 +1,250 @@
+// OpenCV decodes PNG and JPEG from memory, after our own check of the file. Its warnings and those
+// of libpng and libjpeg go to stderr and cannot be turned off from here; the check lets only files
+// through whose structure is sound, which leaves them damaged JPEG data to warn of.
+#include "tread/io/image_file.hpp"
+
+#include <fmt/format.h>
+
+#include <exception>
+#include <opencv2/imgcodecs.hpp>
+#include <vector>
+
+#include "tread/io/atomic_file.hpp"
+#include "tread/io/image_header.hpp"
+#include "tread/io/pnm.hpp"
+
+namespace tread {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLargestFile = std::size_t{1} << 30;
+
+tl::unexpected<Error> not_decoded(const std::string& where, const std::string& why) {
+  return fail(ErrorCode::kUnreadable, "the picture cannot be decoded" + why, where,
+              "Copy or record it again");
+}
+
+// One or three channels (blue, green, red) of 8 or 16 bits, of the size the header says.
+Result<cv::Mat> decode(const std::string& bytes, const ImageHeader& header,
+                       const std::string& where) {
+  try {
+    const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1,
+                         const_cast<char*>(bytes.data()));
+    cv::Mat image = cv::imdecode(
+        buffer, cv::IMREAD_ANYCOLOR | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
+    const bool known_depth = image.depth() == CV_8U || image.depth() == CV_16U;
+    const bool known_channels = image.channels() == 1 || image.channels() == 3;
+    if (image.empty() || !known_depth || !known_channels || image.cols != header.width ||
+        image.rows != header.height) {
+      return not_decoded(where, "");
+    }
+    return image;
+  } catch (const std::exception& e) {
+    return not_decoded(where, fmt::format(" ({})", e.what()));
+  }
+}
+
+// The same from a PGM or PPM.
+Result<cv::Mat> decode_netpbm(const std::string& bytes, const std::string& where) {
+  const auto header = parse_pnm_header(bytes, where);
+  if (!header) return forward(header);
+  const auto values = decode_pnm(bytes, *header, where);
+  if (!values) return forward(values);
+  const int channels = header->colour ? 3 : 1;
+  try {
+    cv::Mat deep(header->height, header->width, CV_16UC(channels));
+    std::size_t i = 0;
+    for (int y = 0; y < deep.rows; ++y) {
+      std::uint16_t* row = deep.ptr<std::uint16_t>(y);
+      for (int x = 0; x < deep.cols; ++x, row += channels) {
+        for (int c = channels - 1; c >= 0; --c) row[c] = (*values)[i++];
+      }
+    }
+    if (header->bits == 16) return deep;
+    cv::Mat shallow;
+    deep.convertTo(shallow, CV_8U);
+    return shallow;
+  } catch (const std::exception& e) {
+    return not_decoded(where, fmt::format(" ({})", e.what()));
+  }
+}
+
+struct Decoded {
+  ImageHeader header;
+  cv::Mat image;
+};
+
+Result<Decoded> read_image(const fs::path& path) {
+  const auto bytes = read_file(path, kLargestFile);
+  if (!bytes) return forward(bytes);
+  const auto header = parse_image_header(*bytes, path.string());
+  if (!header) return forward(header);
+  auto image = header->format == ImageFormat::kPnm ? decode_netpbm(*bytes, path.string())
+                                                   : decode(*bytes, *header, path.string());
+  if (!image) return forward(image);
+  return Decoded{*header, std::move(*image)};
+}
+
+// Calls each(x, y, r, g, b) with 8-bit values.
+template <class Sample, class Each>
+void for_each_pixel_of(const cv::Mat& image, const Each& each) {
+  constexpr int kShift = 8 * (static_cast<int>(sizeof(Sample)) - 1);
+  const int channels = image.channels();
+  for (int y = 0; y < image.rows; ++y) {
+    const Sample* pixel = image.ptr<Sample>(y);
+    for (int x = 0; x < image.cols; ++x, pixel += channels) {
+      const auto sample = [&](int i) {
+        return static_cast<std::uint8_t>(pixel[channels == 1 ? 0 : i] >> kShift);
+      };
+      each(x, y, Rgb{sample(2), sample(1), sample(0)});
+    }
+  }
+}
+
+template <class Each>
+void for_each_pixel(const cv::Mat& image, const Each& each) {
+  if (image.depth() == CV_8U) {
+    for_each_pixel_of<std::uint8_t>(image, each);
+  } else {
+    for_each_pixel_of<std::uint16_t>(image, each);
+  }
+}
+
+// ITU-R BT.601; a grey pixel keeps its value.
+std::uint8_t luma(const Rgb& c) {
+  return static_cast<std::uint8_t>((299 * c.r + 587 * c.g + 114 * c.b + 500) / 1000);
+}
+
+Image<std::uint8_t> to_grey(const cv::Mat& image) {
+  Image<std::uint8_t> grey(image.cols, image.rows);
+  for_each_pixel(image, [&](int x, int y, const Rgb& c) { grey(x, y) = luma(c); });
+  return grey;
+}
+
+Image<Rgb> to_colour(const cv::Mat& image) {
+  Image<Rgb> colour(image.cols, image.rows);
+  for_each_pixel(image, [&](int x, int y, const Rgb& c) { colour(x, y) = c; });
+  return colour;
+}
+
+Result<ImageHeader> read_header(const fs::path& path) {
+  const auto bytes = read_file(path, kLargestFile);
+  if (!bytes) return forward(bytes);
+  return parse_image_header(*bytes, path.string());
+}
+
+Result<std::string> encode(const cv::Mat& image, const std::string& where) {
+  try {
+    std::vector<unsigned char> bytes;
+    if (cv::imencode(".png", image, bytes)) return std::string(bytes.begin(), bytes.end());
+  } catch (const std::exception& e) {
+    return fail(ErrorCode::kWriteFailed, fmt::format("cannot encode as PNG: {}", e.what()), where,
+                "Check the size of the image");
+  }
+  return fail(ErrorCode::kWriteFailed, "cannot encode as PNG", where,
+              "Check the size of the image");
+}
+
+tl::unexpected<Error> no_pixels(const std::string& where) {
+  return fail(ErrorCode::kBadArgument, "an image without pixels cannot be written", where,
+              "Give an image");
+}
+
+template <class T>
+Status write_grey_png(const fs::path& path, ImageView<const T> image, int type) {
+  if (image.empty()) return no_pixels(path.string());
+  const cv::Mat wrapped(image.height, image.width, type, const_cast<T*>(image.data),
+                        static_cast<std::size_t>(image.stride) * sizeof(T));
+  const auto bytes = encode(wrapped, path.string());
+  if (!bytes) return forward(bytes);
+  return write_file(path, *bytes);
+}
+
+Result<std::string> encode_colour(ImageView<const Rgb> image, const std::string& where) {
+  if (image.empty()) return no_pixels(where);
+  cv::Mat swapped(image.height, image.width, CV_8UC3);
+  for (int y = 0; y < image.height; ++y) {
+    std::uint8_t* out = swapped.ptr<std::uint8_t>(y);
+    for (int x = 0; x < image.width; ++x, out += 3) {
+      const Rgb& c = image(x, y);
+      out[0] = c.b;
+      out[1] = c.g;
+      out[2] = c.r;
+    }
+  }
+  return encode(swapped, where);
+}
+
+}  // namespace
+
+Result<Image<std::uint8_t>> read_grey(const fs::path& path) {
+  const auto decoded = read_image(path);
+  if (!decoded) return forward(decoded);
+  return to_grey(decoded->image);
+}
+
+Result<Image<Rgb>> read_colour(const fs::path& path) {
+  const auto decoded = read_image(path);
+  if (!decoded) return forward(decoded);
+  return to_colour(decoded->image);
+}
+
+Result<GreyAndColour> read_grey_and_colour(const fs::path& path) {
+  const auto decoded = read_image(path);
+  if (!decoded) return forward(decoded);
+  GreyAndColour both;
+  both.grey = to_grey(decoded->image);
+  if (decoded->header.colour) both.colour = to_colour(decoded->image);
+  return both;
+}
+
+Result<Image<std::uint16_t>> read_png16(const fs::path& path) {
+  const auto decoded = read_image(path);
+  if (!decoded) return forward(decoded);
+  const ImageHeader& header = decoded->header;
+  const bool matches = header.format == ImageFormat::kPng && header.bits == 16 && !header.colour &&
+                       !header.alpha && decoded->image.type() == CV_16UC1;
+  if (!matches) {
+    return fail(ErrorCode::kBadFormat, "this is not a PNG of one channel with 16 bits",
+                path.string(), "Give a 16-bit grey PNG");
+  }
+  Image<std::uint16_t> image(header.width, header.height);
+  for (int y = 0; y < image.height; ++y) {
+    const std::uint16_t* from = decoded->image.ptr<std::uint16_t>(y);
+    std::copy(from, from + image.width, image.row(y));
+  }
+  return image;
+}
+
+Result<bool> has_colour(const fs::path& path) {
+  const auto header = read_header(path);
+  if (!header) return forward(header);
+  return header->colour;
+}
+
+Result<ImageSize> read_image_size(const fs::path& path) {
+  const auto header = read_header(path);
+  if (!header) return forward(header);
+  return ImageSize{header->width, header->height};
+}
+
+Status write_png(const fs::path& path, ImageView<const std::uint8_t> image) {
+  return write_grey_png(path, image, CV_8UC1);
+}
+
+Status write_png(const fs::path& path, ImageView<const std::uint16_t> image) {
+  return write_grey_png(path, image, CV_16UC1);
+}
+
+Status write_png(const fs::path& path, ImageView<const Rgb> image) {
+  const auto bytes = encode_colour(image, path.string());
+  if (!bytes) return forward(bytes);
+  return write_file(path, *bytes);
+}
+
+Result<std::string> encode_png(ImageView<const Rgb> image) {
+  return encode_colour(image, "PNG");
+}
+
+}  // namespace tread

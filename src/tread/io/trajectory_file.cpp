@@ -1,0 +1,163 @@
+// Times never pass through a floating-point number: a double of seconds since 1970 is only good to
+// 0.2 microseconds.
+#include "tread/io/trajectory_file.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+
+#include "tread/io/atomic_file.hpp"
+#include "tread/io/text.hpp"
+
+namespace tread {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLargestFile = std::size_t{1} << 30;
+
+// All fields of a line from `first` on as finite numbers.
+template <std::size_t N>
+Result<std::array<double, N>> finite_numbers(const std::vector<std::string_view>& fields,
+                                             std::size_t first, const std::string& place) {
+  std::array<double, N> numbers{};
+  for (std::size_t i = 0; i < N; ++i) {
+    const std::string_view text = fields[first + i];
+    const auto number = parse_number<double>(text);
+    if (!number || !std::isfinite(*number)) {
+      return fail(ErrorCode::kBadFormat, in_quotes(text) + " is not a finite number", place,
+                  "Correct or remove this line");
+    }
+    numbers[i] = *number;
+  }
+  return numbers;
+}
+
+Result<std::int64_t> parse_time(std::string_view text, const std::string& place) {
+  const auto stamp_ns = parse_seconds_as_ns(text);
+  if (stamp_ns) return *stamp_ns;
+  return fail(ErrorCode::kBadFormat, in_quotes(text) + " is not a time in seconds", place,
+              "Write seconds, as 1305031102.175304");
+}
+
+tl::unexpected<Error> not_increasing(const std::string& place) {
+  return fail(ErrorCode::kBadValue, "the time is not later than that of the line before", place,
+              "Sort the lines by time and remove doubles");
+}
+
+Result<StampedPose> parse_tum_line(std::string_view line, const std::string& place) {
+  const auto fields = split_fields(line);
+  if (fields.size() != 8) {
+    return fail(ErrorCode::kBadFormat, fmt::format("{} fields instead of 8", fields.size()), place,
+                "A line of a TUM trajectory is: time tx ty tz qx qy qz qw");
+  }
+  const auto stamp_ns = parse_time(fields[0], place);
+  if (!stamp_ns) return forward(stamp_ns);
+  const auto numbers = finite_numbers<7>(fields, 1, place);
+  if (!numbers) return forward(numbers);
+  const auto& n = *numbers;
+  Eigen::Vector4d q(n[3], n[4], n[5], n[6]);
+  // Scaled first, so that its square neither overflows nor vanishes.
+  const double largest = q.cwiseAbs().maxCoeff();
+  if (largest < 1e-6) {
+    return fail(ErrorCode::kBadValue, "the quaternion is zero", place,
+                "Write the rotation as qx qy qz qw; none is 0 0 0 1");
+  }
+  q = (q / largest).normalized();
+  StampedPose pose;
+  pose.stamp_ns = *stamp_ns;
+  pose.pose.linear() = Eigen::Quaterniond(q[3], q[0], q[1], q[2]).toRotationMatrix();
+  pose.pose.translation() = Eigen::Vector3d(n[0], n[1], n[2]);
+  return pose;
+}
+
+Result<Isometry3d> parse_kitti_line(std::string_view line, const std::string& place) {
+  const auto fields = split_fields(line);
+  if (fields.size() != 12) {
+    return fail(ErrorCode::kBadFormat, fmt::format("{} fields instead of 12", fields.size()), place,
+                "A line of KITTI poses is a 3x4 matrix, row by row");
+  }
+  const auto numbers = finite_numbers<12>(fields, 0, place);
+  if (!numbers) return forward(numbers);
+  Isometry3d T = Isometry3d::Identity();
+  T.matrix().topRows<3>() =
+      Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(numbers->data());
+  if (!is_rigid(T)) {
+    return fail(ErrorCode::kBadValue, "the 3x3 part is not a rotation", place,
+                "Check that the matrix is written row by row and has no scale");
+  }
+  T.linear() = Eigen::Quaterniond(T.linear()).normalized().toRotationMatrix();
+  return T;
+}
+
+Result<std::vector<TextLine>> lines_of(const std::string& text, const fs::path& path) {
+  auto lines = lines_with_content(text);
+  if (!lines.empty()) return lines;
+  return fail(ErrorCode::kBadFormat, "the file is empty", path.string(),
+              "Check that this is the right file");
+}
+
+}  // namespace
+
+Result<Trajectory> read_tum_trajectory(const fs::path& path) {
+  const auto text = read_file(path, kLargestFile);
+  if (!text) return forward(text);
+  const auto lines = lines_of(*text, path);
+  if (!lines) return forward(lines);
+  Trajectory trajectory;
+  for (const TextLine& line : *lines) {
+    const std::string place = line_place(path.string(), line.number);
+    const auto pose = parse_tum_line(line.text, place);
+    if (!pose) return forward(pose);
+    if (!trajectory.empty() && pose->stamp_ns <= trajectory.back().stamp_ns) {
+      return not_increasing(place);
+    }
+    trajectory.push_back(*pose);
+  }
+  return trajectory;
+}
+
+Status write_tum_trajectory(const fs::path& path, const Trajectory& trajectory) {
+  std::string text = "# time tx ty tz qx qy qz qw\n";
+  for (const StampedPose& stamped : trajectory) {
+    const Eigen::Vector3d p = stamped.pose.translation();
+    Eigen::Quaterniond q(stamped.pose.linear());
+    if (q.w() < 0.0) q.coeffs() = -q.coeffs();  // one text for one rotation
+    text += fmt::format("{} {} {} {} {} {} {} {}\n", print_ns_as_seconds(stamped.stamp_ns), p.x(),
+                        p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
+  }
+  return write_file(path, text);
+}
+
+Result<std::vector<Isometry3d>> read_kitti_poses(const fs::path& path) {
+  const auto text = read_file(path, kLargestFile);
+  if (!text) return forward(text);
+  const auto lines = lines_of(*text, path);
+  if (!lines) return forward(lines);
+  std::vector<Isometry3d> poses;
+  for (const TextLine& line : *lines) {
+    const auto pose = parse_kitti_line(line.text, line_place(path.string(), line.number));
+    if (!pose) return forward(pose);
+    poses.push_back(*pose);
+  }
+  return poses;
+}
+
+Result<std::vector<std::int64_t>> read_times(const fs::path& path) {
+  const auto text = read_file(path, kLargestFile);
+  if (!text) return forward(text);
+  const auto lines = lines_of(*text, path);
+  if (!lines) return forward(lines);
+  std::vector<std::int64_t> times_ns;
+  for (const TextLine& line : *lines) {
+    const std::string place = line_place(path.string(), line.number);
+    const auto stamp_ns = parse_time(line.text, place);
+    if (!stamp_ns) return forward(stamp_ns);
+    if (!times_ns.empty() && *stamp_ns <= times_ns.back()) return not_increasing(place);
+    times_ns.push_back(*stamp_ns);
+  }
+  return times_ns;
+}
+
+}  // namespace tread
