@@ -31,17 +31,25 @@ enum class PlanStatus {
 
 struct Plan {
   PlanStatus status = PlanStatus::kMapEmpty;
-  std::string reason;  // one sentence for people, empty if found
+  std::string reason;  // one sentence for people: places, costs and what to do; empty if found
   bool goal_beyond_map = false;
-  std::vector<Eigen::Vector2d> path;       // start, cell centres, goal; metres
-  std::vector<Eigen::Vector2d> waypoints;  // start to goal, only where the direction must change
-  double length_m = 0.0;                   // of the waypoints
-  double cost = 0.0;                       // of the path, straight part at the unexplored cost
+  // Start, centres of cells, goal; metres. At least two points if found, equal if the start is the
+  // goal, else no two in a row are.
+  std::vector<Eigen::Vector2d> path;
+  // Points of the path, start to goal, only where the direction must change: none can be left out
+  // for the straight line between its neighbours. No line between two touches a lethal cell, nor
+  // the corner of one; only the start or the goal itself may lie on the edge of one.
+  std::vector<Eigen::Vector2d> waypoints;
+  double length_m = 0.0;  // of the waypoints
+  double cost = 0.0;      // integral along the path, cost x metres; ground beyond the map at the
+                          // unexplored cost. That of the waypoints is at most 1 +
+                          // shortcut_tolerance times as much.
   std::size_t expanded = 0;
 };
 
 // Never fails as a program: a plan that cannot be is a status with its reason. Start and goal in
-// metres in the frame of the grid; they must be finite (assertion).
+// metres in the frame of the grid; they must be finite (assertion). Points on the lower edges of
+// the map are on it, points on the upper edges beyond it, as for all cells.
 [[nodiscard]] Plan plan_waypoints(const Grid<float>& cost, const Eigen::Vector2d& start,
                                   const Eigen::Vector2d& goal, const PlannerOptions& options,
                                   const Context& context = {});
