@@ -27,25 +27,21 @@ double interpolate(const Knots& knots, double x) {
   return knots.back()[1];
 }
 
-// Weights of the ground cells along one axis: how much of each lies in the window around the centre
-// of a cost cell. The first belongs to ground cell `cells_per_side * X + first_offset`. Paper R's
-// window is 12 ground cells around the middle of one: 13 weights, the outer two half.
-std::vector<double> CostMap::window_weights(int& first_offset) const {
+CostMap::CostMap(const CostOptions& options, double ground_resolution_m)
+    : options_(options), ground_resolution_m_(ground_resolution_m) {
   const double centre = 0.5 * options_.cells_per_side;
   const double half = 0.5 * options_.window_m / ground_resolution_m_;
-  first_offset = static_cast<int>(std::floor(centre - half + 1e-9));
+  first_offset_ = static_cast<int>(std::floor(centre - half + 1e-9));
   const int last = static_cast<int>(std::ceil(centre + half - 1e-9));
-  std::vector<double> weights;
-  for (int i = first_offset; i < last; ++i) {
-    weights.push_back(std::min(i + 1.0, centre + half) - std::max<double>(i, centre - half));
+  for (int i = first_offset_; i < last; ++i) {
+    weights_.push_back(std::min(i + 1.0, centre + half) - std::max<double>(i, centre - half));
   }
-  return weights;
 }
 
 // The cost cells whose window a ground cell touches.
 CellRect CostMap::window_cells(Cell ground) const {
-  int first = 0;
-  const int count = static_cast<int>(window_weights(first).size());
+  const int first = first_offset_;
+  const int count = static_cast<int>(weights_.size());
   const int k = options_.cells_per_side;
   // k X + first <= ground < k X + first + count
   const auto low = [&](int g) { return floor_div(g - first - count, k) + 1; };
@@ -87,19 +83,17 @@ void CostMap::update(const GlobalMap& ground, std::span<const Cell> changes,
 // Weighted means of a block of cost cells, along x and then along y. Every cell is summed in the
 // same order whatever the block, so that updates and full computations agree to the bit.
 void CostMap::refresh(const GlobalMap& ground, const CellRect& block) {
-  int first = 0;
-  const std::vector<double> weights = window_weights(first);
-  const int taps = static_cast<int>(weights.size());
+  const int taps = static_cast<int>(weights_.size());
   const int k = options_.cells_per_side;
   const int ground_rows = k * (block.rows() - 1) + taps;
   const int ground_columns = k * (block.columns() - 1) + taps;
-  const Cell ground_first{k * block.first.x + first, k * block.first.y + first};
+  const Cell ground_first{k * block.first.x + first_offset_, k * block.first.y + first_offset_};
 
   std::vector<double> costs(static_cast<std::size_t>(ground_columns));
   std::vector<double> along_x(static_cast<std::size_t>(ground_rows) *
                               static_cast<std::size_t>(block.columns()));
   double total_weight = 0.0;
-  for (double w : weights) total_weight += w;
+  for (double w : weights_) total_weight += w;
   total_weight *= total_weight;
   for (int j = 0; j < ground_rows; ++j) {
     for (int i = 0; i < ground_columns; ++i) {
@@ -111,7 +105,7 @@ void CostMap::refresh(const GlobalMap& ground, const CellRect& block) {
     for (int x = 0; x < block.columns(); ++x) {
       double sum = 0.0;
       for (int t = 0; t < taps; ++t) {
-        sum += weights[static_cast<std::size_t>(t)] * costs[static_cast<std::size_t>(k * x + t)];
+        sum += weights_[static_cast<std::size_t>(t)] * costs[static_cast<std::size_t>(k * x + t)];
       }
       along_x[static_cast<std::size_t>(j * block.columns() + x)] = sum;
     }
@@ -123,7 +117,7 @@ void CostMap::refresh(const GlobalMap& ground, const CellRect& block) {
       if (!cost.stale) continue;
       double sum = 0.0;
       for (int t = 0; t < taps; ++t) {
-        sum += weights[static_cast<std::size_t>(t)] *
+        sum += weights_[static_cast<std::size_t>(t)] *
                along_x[static_cast<std::size_t>((k * y + t) * block.columns() + x)];
       }
       cost.stale = false;
@@ -167,6 +161,10 @@ Status CostMap::set_obstacles(ObstacleList list, std::vector<Obstacle> obstacles
     for (const Obstacle& disc : discs) raise(disc, false);
   }
   return {};
+}
+
+void CostMap::reach(const Eigen::Vector2d& place) {
+  extend_bounds(GridGeometry{resolution_m(), {0.0, 0.0}, 0, 0}.cell_at(place));
 }
 
 float CostMap::at(Cell cell) const {

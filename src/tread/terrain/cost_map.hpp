@@ -37,8 +37,7 @@ enum class ObstacleList { kBump, kSlip, kForbidden };
 
 class CostMap {
  public:
-  explicit CostMap(const CostOptions& options = {}, double ground_resolution_m = 0.1)
-      : options_(options), ground_resolution_m_(ground_resolution_m) {}
+  explicit CostMap(const CostOptions& options = {}, double ground_resolution_m = 0.1);
 
   // Brings the costs up to date after the derivative of these ground cells changed. Equal to the
   // bit to computing the whole map anew. Cost: O(cells near the changes).
@@ -47,6 +46,10 @@ class CostMap {
   // Replaces one of the lists. A cell that a disc touches costs at least the disc's cost. Discs
   // that cannot be (not finite, radius beyond 100 m) are refused and the list stays as it was.
   [[nodiscard]] Status set_obstacles(ObstacleList list, std::vector<Obstacle> obstacles);
+
+  // Makes grid() reach over this place, known or not: where the robot stands is part of its map
+  // even if its cameras cannot see it.
+  void reach(const Eigen::Vector2d& place);
 
   // NaN where nothing is known within the window: the planner's unexplored.
   [[nodiscard]] float at(Cell cell) const;
@@ -66,13 +69,17 @@ class CostMap {
     bool stale = false;
   };
   [[nodiscard]] CellRect window_cells(Cell ground) const;
-  [[nodiscard]] std::vector<double> window_weights(int& first_offset) const;
   void refresh(const GlobalMap& ground, const CellRect& block);
   void raise(const Obstacle& obstacle, bool clear);
   void extend_bounds(Cell cell);
 
   CostOptions options_;
   double ground_resolution_m_;
+  // Along one axis: how much of each ground cell lies in the window around the centre of a cost
+  // cell. The first belongs to ground cell cells_per_side * X + first_offset_. Paper R's window is
+  // 12 ground cells around the middle of one: 13 weights, the outer two half.
+  std::vector<double> weights_;
+  int first_offset_ = 0;
   TiledGrid<CostCell> cells_;
   CellRect bounds_;
   std::map<ObstacleList, std::vector<Obstacle>> obstacles_;

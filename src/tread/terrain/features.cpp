@@ -32,20 +32,41 @@ namespace {
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 constexpr int kRowsPerChunk = 8;
 
-using Window = std::vector<Cell>;
+// The cells within a radius, row by row: columns -half to half of row y, seen from the centre.
+struct WindowRow {
+  int y = 0;
+  int half = 0;
+  [[nodiscard]] bool operator==(const WindowRow&) const = default;
+};
+using Window = std::vector<WindowRow>;
 
-// Offsets of the cells whose centres lie within the radius, but at least within `least_cells`. The
-// slack makes a radius of whole cells include its last cell in spite of rounding.
+// The cells whose centres lie within the radius, but at least within `least_cells`. The slack makes
+// a radius of whole cells include its last cell in spite of rounding.
 Window disc(double radius_m, double resolution_m, double least_cells) {
   const double radius = std::max(radius_m / resolution_m, least_cells) + 1e-6;
   const int reach = static_cast<int>(radius);
   Window window;
   for (int y = -reach; y <= reach; ++y) {
-    for (int x = -reach; x <= reach; ++x) {
-      if (x * x + y * y <= radius * radius) window.push_back({x, y});
-    }
+    window.push_back({y, static_cast<int>(std::sqrt(radius * radius - y * y))});
   }
   return window;
+}
+
+// Calls body(x, y, value) for the known cells of the window that are on the grid, x and y in cells
+// from the centre.
+template <class Body>
+void for_window(const Grid<float>& grid, Cell centre, const Window& window, const Body& body) {
+  const GridGeometry& g = grid.geometry;
+  for (const WindowRow& row : window) {
+    const int y = centre.y + row.y;
+    if (y < 0 || y >= g.rows) continue;
+    const int first = std::max(-row.half, -centre.x);
+    const int last = std::min(row.half, g.columns - 1 - centre.x);
+    const float* values = &grid[{centre.x, y}];
+    for (int x = first; x <= last; ++x) {
+      if (std::isfinite(values[x])) body(x, row.y, values[x]);
+    }
+  }
 }
 
 // Scatter of the known points of a window about their mean.
@@ -56,21 +77,23 @@ struct Scatter {
 
 // Positions are taken relative to the centre, so that no digits are lost far from the origin.
 Scatter scatter_at(const Grid<float>& height, Cell centre, const Window& window) {
-  const double resolution = height.geometry.resolution_m;
   const double z0 = height[centre];
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
-  Scatter scatter;
-  for (const Cell offset : window) {
-    const Cell c{centre.x + offset.x, centre.y + offset.y};
-    if (!height.geometry.contains(c) || !std::isfinite(height[c])) continue;
-    const Eigen::Vector3d p(offset.x * resolution, offset.y * resolution, height[c] - z0);
-    sum += p;
-    squares.noalias() += p * p.transpose();
-    ++scatter.count;
-  }
-  scatter.about_mean = squares - sum * sum.transpose() / scatter.count;
-  return scatter;
+  // Sums over the window, x and y in cells. Plain numbers: this loop is all of the cost.
+  int count = 0;
+  double x = 0, y = 0, z = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0, zz = 0;
+  for_window(height, centre, window, [&](int u, int v, float value) {
+    const double w = value - z0;
+    ++count;
+    x += u, y += v, z += w;
+    xx += u * u, xy += u * v, yy += v * v;
+    xz += u * w, yz += v * w, zz += w * w;
+  });
+  const Eigen::Vector3d sum(x, y, z);
+  Eigen::Matrix3d squares;
+  squares << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+  const Eigen::Vector3d scale(height.geometry.resolution_m, height.geometry.resolution_m, 1.0);
+  const Eigen::Matrix3d in_cells = squares - sum * sum.transpose() / count;
+  return {count, scale.asDiagonal() * in_cells * scale.asDiagonal()};
 }
 
 // The unit normal, pointing up; nothing where the points lie on one line or are too few.
@@ -112,12 +135,10 @@ void rate_slope_and_roughness(const Grid<float>& height, Cell c, const Windows& 
 // Largest difference of heights within the window of a known cell.
 float height_range(const Grid<float>& height, Cell centre, const Window& window) {
   float low = height[centre], high = low;
-  for (const Cell offset : window) {
-    const Cell c{centre.x + offset.x, centre.y + offset.y};
-    if (!height.geometry.contains(c) || !std::isfinite(height[c])) continue;
-    low = std::min(low, height[c]);
-    high = std::max(high, height[c]);
-  }
+  for_window(height, centre, window, [&](int, int, float value) {
+    low = std::min(low, value);
+    high = std::max(high, value);
+  });
   return high - low;
 }
 
@@ -125,13 +146,10 @@ float rate_step(const Grid<float>& ranges, Cell centre, const Window& window,
                 const FeatureOptions& options) {
   double largest = 0.0;
   int critical = 0;
-  for (const Cell offset : window) {
-    const Cell c{centre.x + offset.x, centre.y + offset.y};
-    if (!ranges.geometry.contains(c) || std::isnan(ranges[c])) continue;
-    const double range = ranges[c];
-    largest = std::max(largest, range);
+  for_window(ranges, centre, window, [&](int, int, float range) {
+    largest = std::max<double>(largest, range);
     if (range > options.step_critical_m) ++critical;
-  }
+  });
   const double share = static_cast<double>(critical) / options.step_critical_cells;
   return rate(std::min(1.0, share) * largest, options.step_critical_m);
 }
