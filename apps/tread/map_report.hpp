@@ -1,0 +1,60 @@
+// Pictures and report of `tread map`: every stage of one frame, and the maps of the whole drive.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pictures.hpp"
+#include "report.hpp"
+#include "tread/io/source.hpp"
+#include "tread/pipeline/rover_mapper.hpp"
+#include "tread/plan/planner.hpp"
+
+namespace tread {
+
+// The stages of one frame, copied.
+struct FrameSample {
+  std::string name;
+  Image<Rgb> left;
+  Image<std::uint8_t> right;
+  Image<float> disparity_px;
+  Image<float> depth;
+  Grid<float> height;
+  Grid<float> derivative;
+};
+[[nodiscard]] FrameSample sample_of(const StereoFrame& frame, const RoverFrame& mapped);
+
+// What a run of the command has gathered.
+struct MapRun {
+  MapLayers layers;
+  Trajectory trajectory;                   // T_world_left
+  std::vector<Eigen::Vector3d> positions;  // of the body
+  double last_yaw_rad = 0.0;
+  FrameSample sample;
+  std::vector<Error> problems;  // frames that could not be used
+  double explored_cells = 0.0;
+  double frame_ms = 0.0;  // all frames, reading left out
+  double wall_ms = 0.0;   // reading included
+  Eigen::Vector2d start = Eigen::Vector2d::Zero();
+  Eigen::Vector2d goal = Eigen::Vector2d::Zero();
+  bool ends_chosen = false;  // by the program, not by the user
+  Plan plan;
+  Timings timings;
+};
+
+struct MapFigure {
+  std::string name;  // "cost"
+  std::string title;
+  std::string caption;
+  MapPicture picture;
+  ColourScale scale;
+  PictureValues values;
+};
+// Height, derivative, explored and cost with the way driven and the plan.
+[[nodiscard]] std::vector<MapFigure> map_figures(const MapRun& run, const PlannerOptions& options);
+
+[[nodiscard]] Report map_report(const std::string& command_line, const StereoSource& source,
+                                const RoverMapper& mapper, const PlannerOptions& options,
+                                const MapRun& run);
+
+}  // namespace tread
