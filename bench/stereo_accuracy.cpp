@@ -1,0 +1,190 @@
+// How many pixels get a disparity, and how many of those are wrong: ours beside OpenCV's block
+// matcher, in one harness, on Middlebury and KITTI pairs with ground truth.
+//   density  share of the pixels of known truth that are estimated
+//   bad-1/2  share of those estimated that are off by more than 1 or 2 px
+//   error    mean absolute error of those estimated, px
+//   missed-2 share of all pixels of known truth that are not estimated or off by more than 2 px
+// Usage: stereo_accuracy [--json] [name=value ...]   options of ours, as `tread depth --set`
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <opencv2/calib3d.hpp>
+#include <string>
+#include <vector>
+
+#include "stereo_pairs.hpp"
+#include "tread/stereo/stereo_matcher.hpp"
+
+namespace {
+
+using namespace tread;
+using bench::StereoPair;
+
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+struct Score {
+  double density = 0, bad1 = 0, bad2 = 0, error = 0, missed2 = 0, ms = 0;
+};
+
+Score score(const Image<float>& estimate, const Image<float>& truth) {
+  double known = 0, estimated = 0, bad1 = 0, bad2 = 0, error = 0;
+  for (int y = 0; y < truth.height; ++y) {
+    for (int x = 0; x < truth.width; ++x) {
+      if (std::isnan(truth(x, y))) continue;
+      ++known;
+      if (std::isnan(estimate(x, y))) continue;
+      ++estimated;
+      const double off = std::abs(estimate(x, y) - truth(x, y));
+      error += off;
+      bad1 += off > 1.0 ? 1 : 0;
+      bad2 += off > 2.0 ? 1 : 0;
+    }
+  }
+  return {100 * estimated / known,
+          100 * bad1 / estimated,
+          100 * bad2 / estimated,
+          error / estimated,
+          100 * (known - estimated + bad2) / known,
+          0};
+}
+
+using Method = std::function<Image<float>(const StereoPair&)>;
+
+Image<float> match_ours(const StereoPair& pair, StereoOptions options) {
+  options.sad.num_disparities = pair.num_disparities;
+  StereoMatcher matcher;
+  const auto disparity = matcher.match(pair.left, pair.right, options);
+  if (!disparity) {
+    fmt::print(stderr, "{}\n", disparity.error().message());
+    std::exit(1);
+  }
+  Image<float> out(pair.left.width, pair.left.height, kUnknown);
+  for (int y = 0; y < out.height; ++y) {
+    for (int x = 0; x < out.width; ++x) {
+      const Disparity d = (*disparity)(x, y);
+      if (d != kNoMatch) out(x, y) = disparity_px(d);
+    }
+  }
+  return out;
+}
+
+cv::Mat wrap(const Image<std::uint8_t>& image) {
+  return {image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.row(0)),
+          static_cast<std::size_t>(image.stride)};
+}
+
+// OpenCV's block matcher with its speckle filter, its other settings as they come.
+Image<float> match_opencv(const StereoPair& pair, int window) {
+  const auto matcher = cv::StereoBM::create(pair.num_disparities, window);
+  matcher->setSpeckleWindowSize(100);
+  matcher->setSpeckleRange(2);
+  cv::Mat disparity;
+  matcher->compute(wrap(pair.left), wrap(pair.right), disparity);
+  Image<float> out(pair.left.width, pair.left.height, kUnknown);
+  for (int y = 0; y < out.height; ++y) {
+    for (int x = 0; x < out.width; ++x) {
+      const auto d = disparity.at<std::int16_t>(y, x);
+      if (d > 0) out(x, y) = static_cast<float>(d) / 16.0F;
+    }
+  }
+  return out;
+}
+
+nlohmann::ordered_json json_of(const Score& s) {
+  return {{"density", s.density}, {"bad1", s.bad1},       {"bad2", s.bad2},
+          {"error_px", s.error},  {"missed2", s.missed2}, {"ms", s.ms}};
+}
+
+Score mean_of(const std::vector<Score>& scores) {
+  Score mean;
+  const double n = static_cast<double>(scores.size());
+  for (const Score& s : scores) {
+    mean.density += s.density / n;
+    mean.bad1 += s.bad1 / n;
+    mean.bad2 += s.bad2 / n;
+    mean.error += s.error / n;
+    mean.missed2 += s.missed2 / n;
+    mean.ms += s.ms / n;
+  }
+  return mean;
+}
+
+void print_row(const std::string& name, const std::string& method, const Score& s) {
+  fmt::print("{:18} {:14} {:7.1f} {:6.2f} {:6.2f} {:6.3f} {:9.2f} {:7.1f}\n", name, method,
+             s.density, s.bad1, s.bad2, s.error, s.missed2, s.ms);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  bool json = false;
+  StereoOptions options;
+  OptionSet described = describe(options);
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const std::size_t equals = word.find('=');
+    if (word == "--json") {
+      json = true;
+    } else if (equals == std::string::npos) {
+      fmt::print(stderr, "usage: stereo_accuracy [--json] [name=value ...]\n");
+      return 2;
+    } else if (Status s = described.set(word.substr(0, equals), word.substr(equals + 1)); !s) {
+      fmt::print(stderr, "{}\n", s.error().message());
+      return 2;
+    }
+  }
+  const auto pairs = bench::load_stereo_pairs(bench::data_folder());
+  if (!pairs) {
+    fmt::print(stderr, "{}\n", pairs.error().message());
+    return 1;
+  }
+  cv::setNumThreads(1);
+  const std::vector<std::pair<std::string, Method>> methods = {
+      {"tread", [&](const StereoPair& p) { return match_ours(p, options); }},
+      {"BM9+speckle", [](const StereoPair& p) { return match_opencv(p, 9); }},
+      {"BM15+speckle", [](const StereoPair& p) { return match_opencv(p, 15); }}};
+
+  nlohmann::ordered_json result = {{"benchmark", "stereo_accuracy"}};
+  std::map<std::string, std::map<std::string, std::vector<Score>>> by_set;
+  std::vector<std::string> sets;
+  if (!json) {
+    fmt::print("{:18} {:14} {:>7} {:>6} {:>6} {:>6} {:>9} {:>7}\n", "pair", "method", "density",
+               "bad-1", "bad-2", "error", "missed-2", "ms");
+  }
+  for (const StereoPair& pair : *pairs) {
+    if (sets.empty() || sets.back() != pair.set) sets.push_back(pair.set);
+    for (const auto& [name, method] : methods) {
+      const auto start = std::chrono::steady_clock::now();
+      const Image<float> estimate = method(pair);
+      const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
+      Score s = score(estimate, pair.truth);
+      s.ms = ms.count();
+      by_set[pair.set][name].push_back(s);
+      result["pairs"][pair.name][name] = json_of(s);
+      if (!json) print_row(pair.name, name, s);
+    }
+  }
+  if (!json) fmt::print("\nmeans\n");
+  std::map<std::string, std::vector<Score>> all;
+  for (const std::string& set : sets) {
+    for (const auto& [name, method] : methods) {
+      const Score mean = mean_of(by_set[set][name]);
+      all[name].push_back(mean);
+      result["sets"][set][name] = json_of(mean);
+      if (!json) print_row(set, name, mean);
+    }
+  }
+  for (const auto& [name, method] : methods) {
+    const Score mean = mean_of(all[name]);
+    result["mean"][name] = json_of(mean);
+    if (!json) print_row("mean of the sets", name, mean);
+  }
+  if (json) fmt::print("{}\n", result.dump(2));
+  return 0;
+}
