@@ -81,6 +81,25 @@ inline Image<std::uint8_t> render(const PinholeCamera& camera, ImageSize size,
   return image;
 }
 
+// Flat ground with a block 0.5 m high across the way, from (3.0, -1.2) to (3.6, 0.6), and a kerb of
+// 10 cm on the left, y > 1.6.
+inline double block_and_kerb(double x, double y) {
+  if (x > 3.0 && x < 3.6 && y > -1.2 && y < 0.6) return 0.5;
+  return y > 1.6 ? 0.1 : 0.0;
+}
+
+// A rover's rectified cameras: 320x240, f 250 px, 0.2 m baseline, 0.8 m high, 25 degrees down.
+inline StereoRig small_rig() {
+  StereoRig rig;
+  rig.name = "small";
+  rig.size = {320, 240};
+  rig.left = rig.right = PinholeCamera{250.0, 250.0, 159.5, 119.5, 0.0};
+  rig.T_left_right.translation().x() = 0.2;
+  rig.rectified = true;
+  rig.mount = level_mount(0.8, 0.44, false);
+  return rig;
+}
+
 inline StereoFrame render_frame(const StereoRig& rig, const Isometry3d& T_world_left,
                                 const HeightFunction& height, double far_m) {
   StereoFrame frame;

@@ -11,22 +11,10 @@
 namespace tread {
 namespace {
 
-// Flat ground with a block 0.5 m high across the way and a kerb of 10 cm on the left.
-double course(double x, double y) {
-  if (x > 3.0 && x < 3.6 && y > -1.2 && y < 0.6) return 0.5;
-  return y > 1.6 ? 0.1 : 0.0;
-}
+using testing::block_and_kerb;
 
-// A rover's camera: 320x240, f 250 px, 0.2 m baseline, 0.8 m high, 25 degrees down.
 StereoRig rover_rig() {
-  StereoRig rig;
-  rig.name = "test";
-  rig.size = {320, 240};
-  rig.left = rig.right = PinholeCamera{250.0, 250.0, 159.5, 119.5, 0.0};
-  rig.T_left_right.translation().x() = 0.2;
-  rig.rectified = true;
-  rig.mount = level_mount(0.8, 0.44, false);
-  return rig;
+  return testing::small_rig();
 }
 
 StereoFrame frame_at(const StereoRig& rig, double x, double yaw = 0.0, double pitch = 0.0) {
@@ -34,7 +22,7 @@ StereoFrame frame_at(const StereoRig& rig, double x, double yaw = 0.0, double pi
   T_world_body.translation().x() = x;
   T_world_body.linear() = rotation_from_yaw_pitch_roll(yaw, pitch, 0.0);
   StereoFrame frame =
-      testing::render_frame(rig, T_world_body * rig.mount->T_body_left, course, 8.0);
+      testing::render_frame(rig, T_world_body * rig.mount->T_body_left, block_and_kerb, 8.0);
   frame.name = "at " + std::to_string(x);
   return frame;
 }
