@@ -9,7 +9,6 @@
 
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <limits>
 #include <map>
@@ -19,40 +18,17 @@
 #include <vector>
 
 #include "stereo_pairs.hpp"
+#include "stereo_score.hpp"
 #include "tread/stereo/stereo_matcher.hpp"
 
 namespace {
 
 using namespace tread;
+using bench::mean_of;
+using bench::Score;
 using bench::StereoPair;
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
-
-struct Score {
-  double density = 0, bad1 = 0, bad2 = 0, error = 0, missed2 = 0, ms = 0;
-};
-
-Score score(const Image<float>& estimate, const Image<float>& truth) {
-  double known = 0, estimated = 0, bad1 = 0, bad2 = 0, error = 0;
-  for (int y = 0; y < truth.height; ++y) {
-    for (int x = 0; x < truth.width; ++x) {
-      if (std::isnan(truth(x, y))) continue;
-      ++known;
-      if (std::isnan(estimate(x, y))) continue;
-      ++estimated;
-      const double off = std::abs(estimate(x, y) - truth(x, y));
-      error += off;
-      bad1 += off > 1.0 ? 1 : 0;
-      bad2 += off > 2.0 ? 1 : 0;
-    }
-  }
-  return {100 * estimated / known,
-          100 * bad1 / estimated,
-          100 * bad2 / estimated,
-          error / estimated,
-          100 * (known - estimated + bad2) / known,
-          0};
-}
 
 using Method = std::function<Image<float>(const StereoPair&)>;
 
@@ -99,20 +75,6 @@ Image<float> match_opencv(const StereoPair& pair, int window) {
 nlohmann::ordered_json json_of(const Score& s) {
   return {{"density", s.density}, {"bad1", s.bad1},       {"bad2", s.bad2},
           {"error_px", s.error},  {"missed2", s.missed2}, {"ms", s.ms}};
-}
-
-Score mean_of(const std::vector<Score>& scores) {
-  Score mean;
-  const double n = static_cast<double>(scores.size());
-  for (const Score& s : scores) {
-    mean.density += s.density / n;
-    mean.bad1 += s.bad1 / n;
-    mean.bad2 += s.bad2 / n;
-    mean.error += s.error / n;
-    mean.missed2 += s.missed2 / n;
-    mean.ms += s.ms / n;
-  }
-  return mean;
 }
 
 void print_row(const std::string& name, const std::string& method, const Score& s) {
@@ -163,7 +125,7 @@ int main(int argc, char** argv) {
       const auto start = std::chrono::steady_clock::now();
       const Image<float> estimate = method(pair);
       const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
-      Score s = score(estimate, pair.truth);
+      Score s = bench::score(estimate, pair.truth);
       s.ms = ms.count();
       by_set[pair.set][name].push_back(s);
       result["pairs"][pair.name][name] = json_of(s);
