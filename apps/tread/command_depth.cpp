@@ -7,6 +7,7 @@
 
 #include "command.hpp"
 #include "report.hpp"
+#include "tread/core/shrink.hpp"
 #include "tread/geometry/rectification.hpp"
 #include "tread/io/image_file.hpp"
 #include "tread/io/mesh_file.hpp"
@@ -24,12 +25,14 @@ namespace fs = std::filesystem;
 struct DepthSettings {
   StereoOptions stereo;
   DepthOptions depth{0.0, 1e4};
+  int shrink = 1;
 };
 
 OptionSet describe(DepthSettings& settings) {
   OptionSet set;
   set.add_group("stereo", describe(settings.stereo));
   set.add_group("depth", describe(settings.depth));
+  set.add("shrink", settings.shrink, "match images shrunk by this factor", 1, 16);
   return set;
 }
 
@@ -40,6 +43,7 @@ struct DepthArguments {
 };
 
 struct DepthRun {
+  ImageSize full_size;  // before shrinking
   Image<Rgb> colour_left, colour_right;
   Image<std::uint8_t> left, right;
   std::optional<RectifiedRig> rig;  // empty without --rig: disparity only
@@ -64,6 +68,7 @@ Status read_images(const DepthArguments& arguments, DepthRun& run) {
   run.colour_right = std::move(*right);
   run.left = std::move(*grey_left);
   run.right = std::move(*grey_right);
+  run.full_size = {run.left.width, run.left.height};
   if (same_size(run.left, run.right)) return {};
   return fail(ErrorCode::kBadFormat,
               fmt::format("it is {}x{}, the left image {}x{}", run.right.width, run.right.height,
@@ -73,21 +78,22 @@ Status read_images(const DepthArguments& arguments, DepthRun& run) {
 
 Status rectify(const DepthArguments& arguments, const Context& context, DepthRun& run) {
   if (arguments.rig.empty()) return {};
-  const auto rig = read_rig(arguments.rig, {run.left.width, run.left.height});
-  if (!rig) return forward(rig);
-  if (rig->size != ImageSize{run.left.width, run.left.height}) {
+  const auto full_rig = read_rig(arguments.rig, run.full_size);
+  if (!full_rig) return forward(full_rig);
+  if (full_rig->size != run.full_size) {
     return fail(ErrorCode::kBadFormat,
-                fmt::format("it is for images of {}x{}, these are {}x{}", rig->size.width,
-                            rig->size.height, run.left.width, run.left.height),
+                fmt::format("it is for images of {}x{}, these are {}x{}", full_rig->size.width,
+                            full_rig->size.height, run.full_size.width, run.full_size.height),
                 arguments.rig, "Give the rig of these images");
   }
-  if (rig->rectified) {
-    const auto rectified = rectified_rig(*rig);
+  const StereoRig rig = shrunk(*full_rig, run.settings.shrink);
+  if (rig.rectified) {
+    const auto rectified = rectified_rig(rig);
     if (!rectified) return forward(rectified);
     run.rig = *rectified;
     return {};
   }
-  const auto rectification = make_rectification(*rig);
+  const auto rectification = make_rectification(rig);
   if (!rectification) return forward(rectification);
   run.rig = rectification->rig;
   for (auto [image, table] :
@@ -105,9 +111,25 @@ Status rectify(const DepthArguments& arguments, const Context& context, DepthRun
   return {};
 }
 
-Status choose_settings(const DepthArguments& arguments, const Context& context, DepthRun& run) {
-  if (arguments.profile == "paper-q") run.settings = {paper_q_stereo_options(), DepthOptions{}};
-  if (Status done = apply_settings(arguments.common, describe(run.settings)); !done) return done;
+Status choose_settings(const DepthArguments& arguments, DepthRun& run) {
+  if (arguments.profile == "paper-q") run.settings = {paper_q_stereo_options(), DepthOptions{}, 1};
+  return apply_settings(arguments.common, describe(run.settings));
+}
+
+void shrink_images(DepthRun& run) {
+  for (Image<std::uint8_t>* image : {&run.left, &run.right}) {
+    Image<std::uint8_t> small;
+    shrink(*image, run.settings.shrink, small);
+    *image = std::move(small);
+  }
+  for (Image<Rgb>* image : {&run.colour_left, &run.colour_right}) {
+    Image<Rgb> small;
+    shrink(*image, run.settings.shrink, small);
+    *image = std::move(small);
+  }
+}
+
+Status choose_range(const DepthArguments& arguments, const Context& context, DepthRun& run) {
   if (arguments.num_disparities > 0) {
     run.settings.stereo.sad.num_disparities = arguments.num_disparities;
   } else if (arguments.profile == "general") {
@@ -258,11 +280,11 @@ int run_depth(const DepthArguments& arguments) {
   const Context context{arguments.common.threads, &run.timings};
   Output output(arguments.common.json);
   output.values["command"] = "depth";
-  for (const auto& step : {read_images(arguments, run)}) {
-    if (!step) return print_error(step.error());
-  }
+  if (Status s = choose_settings(arguments, run); !s) return print_error(s.error());
+  if (Status s = read_images(arguments, run); !s) return print_error(s.error());
+  if (run.settings.shrink > 1) shrink_images(run);
   if (Status s = rectify(arguments, context, run); !s) return print_error(s.error());
-  if (Status s = choose_settings(arguments, context, run); !s) return print_error(s.error());
+  if (Status s = choose_range(arguments, context, run); !s) return print_error(s.error());
   run.timings.clear();
   if (Status s = compute(context, run); !s) return print_error(s.error());
   summarise(run, output);

@@ -129,6 +129,26 @@ TEST(TreadDepth, WritesWhatItSays) {
   }
 }
 
+TEST(TreadDepth, ShrunkImagesKeepTheirDepths) {
+  const ScratchFolder out;
+  const Ran ran = tread("depth " + pair_arguments() + " --rig " + (drive() / "rig.yaml").string() +
+                        " --set shrink=2 -o " + out.path().string());
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const auto small = read_pfm(out / "disparity.pfm");
+  const auto depth = read_tiff(out / "depth.tif");
+  ASSERT_TRUE(small && depth);
+  EXPECT_EQ(small->width, 160);
+  int known = 0;
+  for (int y = 0; y < 120; ++y) {
+    for (int x = 0; x < 160; ++x) {
+      if (std::isnan((*depth)(x, y)) || (*small)(x, y) == 0.0F) continue;
+      ++known;
+      ASSERT_NEAR((*depth)(x, y), 25.0 / (*small)(x, y), 1e-3);
+    }
+  }
+  EXPECT_GT(known, 4000);
+}
+
 TEST(TreadDepth, WithoutRigGivesDisparityOnlyAndSaysSo) {
   const Ran ran = tread("depth " + pair_arguments());
   EXPECT_EQ(ran.status, 0);
