@@ -112,9 +112,9 @@ class BandMatcher {
       winner = best(fit);
       out[x] = kNoMatch;
       if (winner.index < 0) continue;
-      if (options_.border == Border::kFullWindow && !window_fits(x, y)) winner.index = -1;
-      if (!textured(texture) || !unique(winner.index, fit)) winner.index = -1;
-      if (winner.index >= 0) out[x] = refined(winner.index, fit);
+      const bool accepted = (options_.border == Border::kReplicate || window_fits(x, y)) &&
+                            textured(texture) && unique(winner.index, fit);
+      if (accepted) out[x] = refined(winner.index, fit);
     }
     if (!check) return;
     for (int x = 0; x < width; ++x) {
