@@ -20,7 +20,7 @@ void add_common_options(CLI::App& command, CommonOptions& common) {
 }
 
 void add_setting_options(CLI::App& command, CommonOptions& common) {
-  command.add_option("--config", common.config, "YAML file of options (see --print-config)")
+  command.add_option("--config", common.config, "YAML file of options (docs/file-formats.md)")
       ->type_name("FILE");
   command.add_option("--set", common.settings, "Set one option, name=value; may be repeated")
       ->type_name("NAME=VALUE")

@@ -23,7 +23,7 @@ struct CommonOptions {
   std::string config;                 // --config
   std::vector<std::string> settings;  // --set name=value
 };
-// -o, --json, --threads; with settings also --config, --set and --print-config.
+// -o, --json, --threads; with settings also --config and --set.
 void add_common_options(CLI::App& command, CommonOptions& common);
 void add_setting_options(CLI::App& command, CommonOptions& common);
 

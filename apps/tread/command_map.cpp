@@ -1,6 +1,8 @@
 // tread map: a drive of stereo frames with poses to the maps of the ground, and the way to a goal.
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "command.hpp"
 #include "map_report.hpp"
 #include "tread/io/atomic_file.hpp"
@@ -163,6 +165,16 @@ int run_map(const MapArguments& arguments) {
     return print_error(s.error());
   }
   settings.plan.unexplored_cost = settings.map.cost.unexplored_cost;
+  for (const std::vector<double>* place : {&arguments.start, &arguments.goal}) {
+    for (double coordinate : *place) {
+      if (std::isfinite(coordinate)) continue;
+      return print_error({ErrorCode::kBadValue, "a coordinate is not finite", "--start, --goal",
+                          "Give metres in the frame of the map"});
+    }
+  }
+  if (!arguments.common.output.empty()) {  // before the work, not after it
+    if (Status s = make_output_folder(arguments.common.output); !s) return print_error(s.error());
+  }
   const auto source = open_stereo_source(arguments.source, {arguments.rig, arguments.poses});
   if (!source) return print_error(source.error());
   auto mapper = RoverMapper::make((*source)->rig(), settings.map);
@@ -177,6 +189,7 @@ int run_map(const MapArguments& arguments) {
     return print_error(s.error());
   }
   run.layers = mapper->layers();
+  run.layers.numbers["lethal_cost"] = settings.plan.lethal_cost;
   for (float e : run.layers.find("explored")->grid.values)
     run.explored_cells += e > 0.0F ? 1.0 : 0.0;
   if (arguments.features) add_feature_layers(context, run.layers);

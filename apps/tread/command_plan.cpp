@@ -42,6 +42,9 @@ int run_plan(const PlanArguments& arguments) {
   if (const auto known = map->numbers.find("unexplored_cost"); known != map->numbers.end()) {
     options.unexplored_cost = known->second;
   }
+  if (const auto known = map->numbers.find("lethal_cost"); known != map->numbers.end()) {
+    options.lethal_cost = known->second;
+  }
   if (Status s = apply_settings(arguments.common, describe(options)); !s) {
     return print_error(s.error());
   }
