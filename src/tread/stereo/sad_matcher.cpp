@@ -73,11 +73,11 @@ class BandMatcher {
       Sum* sums = &column_sums_[static_cast<std::size_t>(c) * static_cast<std::size_t>(range_)];
       if (sign > 0) {
         for (int d = 0; d < range_; ++d) {
-          sums[d] = static_cast<Sum>(sums[d] + std::abs(here - other[d]));
+          sums[d] = static_cast<Sum>(sums[d] + static_cast<Sum>(std::abs(here - other[d])));
         }
       } else {
         for (int d = 0; d < range_; ++d) {
-          sums[d] = static_cast<Sum>(sums[d] - std::abs(here - other[d]));
+          sums[d] = static_cast<Sum>(sums[d] - static_cast<Sum>(std::abs(here - other[d])));
         }
       }
       column_texture_[static_cast<std::size_t>(c)] += sign * std::abs(here - 128);
