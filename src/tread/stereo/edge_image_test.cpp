@@ -18,11 +18,8 @@ Image<std::uint8_t> laplacian_oracle(const Image<std::uint8_t>& image, int mask,
   const int r = mask / 2;
   const double sigma = mask / 6.0;
   const auto g = [sigma](int i) { return std::exp(-i * i / (2 * sigma * sigma)); };
-  double g_sum = 0.0, g2_sum = 0.0;
-  for (int i = -r; i <= r; ++i) {
-    g_sum += g(i);
-    g2_sum += (i * i / (sigma * sigma) - 1.0) * g(i);
-  }
+  double g2_sum = 0.0;
+  for (int i = -r; i <= r; ++i) g2_sum += (i * i / (sigma * sigma) - 1.0) * g(i);
   const auto g2 = [&](int i) {
     return (i * i / (sigma * sigma) - 1.0) * g(i) - (i == 0 ? g2_sum : 0.0);
   };
