@@ -1,5 +1,5 @@
 # Every ```cpp block of the documents is a whole program: it is compiled and run by the tests, in a
-# folder that holds the drive of make_drive as "drive" and a pair of its images.
+# folder that holds the drive of make_drive as "drive" and its map as "map".
 set(snippet_dir ${CMAKE_CURRENT_BINARY_DIR}/snippets)
 file(MAKE_DIRECTORY ${snippet_dir})
 file(GLOB documents CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/docs/*.md)
@@ -30,6 +30,6 @@ foreach(document ${documents})
     target_link_libraries(snippet_${name}_${number} PRIVATE tread::tread)
     add_test(NAME Snippet.${name}_${number} COMMAND snippet_${name}_${number}
              WORKING_DIRECTORY ${snippet_dir})
-    set_tests_properties(Snippet.${name}_${number} PROPERTIES FIXTURES_REQUIRED drive)
+    set_tests_properties(Snippet.${name}_${number} PROPERTIES FIXTURES_REQUIRED "drive;map")
   endforeach()
 endforeach()
