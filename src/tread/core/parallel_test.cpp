@@ -29,6 +29,24 @@ TEST(ParallelChunks, CoversTheRangeOnceWithTheSameChunksForAnyThreadCount) {
   }
 }
 
+TEST(ParallelChunks, NoTwoChunksShareAWorkerAtOnce) {
+  Context context;
+  context.threads = 2;
+  ASSERT_GE(worker_count(context), 1);
+  ASSERT_LE(worker_count(context), 2);
+  std::vector<std::atomic<int>> busy(2);
+  std::atomic<int> visits{0};
+  parallel_chunks(context, 0, 400, 1, [&](int, int, int worker) {
+    ASSERT_GE(worker, 0);
+    ASSERT_LT(worker, worker_count(context));
+    EXPECT_EQ(busy[static_cast<std::size_t>(worker)]++, 0);
+    std::this_thread::sleep_for(std::chrono::microseconds(20));
+    --busy[static_cast<std::size_t>(worker)];
+    ++visits;
+  });
+  EXPECT_EQ(visits, 400);
+}
+
 TEST(ParallelChunks, EmptyRangeDoesNothing) {
   parallel_chunks({}, 5, 5, 1, [](int, int) { FAIL(); });
   parallel_chunks({}, 5, 3, 1, [](int, int) { FAIL(); });

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tread/core/parallel.hpp"
+#include "tread/stereo/filter_kernel.hpp"
 
 namespace tread {
 namespace {
@@ -81,6 +82,10 @@ void gradient(ImageView<const std::uint8_t> image, const EdgeOptions& options,
       const std::uint8_t* here = image.row(y);
       const std::uint8_t* below = image.row(std::min(y + 1, image.height - 1));
       std::uint8_t* out = edges.row(y);
+      if (scale == 256) {
+        gradient_row(above, here, below, image.width, options.limit, out);
+        continue;
+      }
       for (int x = 0; x < image.width; ++x) {
         const int l = std::max(x - 1, 0), r = std::min(x + 1, image.width - 1);
         const int response = above[r] - above[l] + 2 * (here[r] - here[l]) + below[r] - below[l];

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
+
+#include "tread/core/parallel.hpp"
+#include "tread/stereo/filter_kernel.hpp"
 
 namespace tread {
 namespace {
@@ -46,32 +50,73 @@ OptionSet describe(HoleFilterOptions& options) {
   return set;
 }
 
-void HoleFilter::apply(Image<Disparity>& disparity, const HoleFilterOptions& options,
-                       const Context& context) {
-  const ScopedTimer timer(context, "stereo/holes");
-  using O = HoleFilterOptions;
-  const bool in_place = options.update == O::Update::kInPlace;
-  const bool from_previous = options.temporal && same_size(previous_, disparity);
-  const int passes = options.spatial ? options.passes : 1;
-  Image<Disparity> raw;
-  if (options.temporal && options.previous == O::Previous::kRaw) raw = disparity;
+// The default reading, vectorised: every pixel from the pass before, median of all nine.
+void HoleFilter::fill_buffered(Image<Disparity>& disparity, bool from_previous, bool spatial,
+                               const Context& context) {
+  std::swap(disparity, buffer_);
+  disparity.resize(buffer_.width, buffer_.height);
+  const int width = disparity.width, height = disparity.height;
+  rows_.resize(static_cast<std::size_t>(worker_count(context)));
+  parallel_chunks(context, 0, height, 64, [&](int first, int last, int worker) {
+    // A ring of three rows of the pass before, with one unknown pixel on both sides.
+    Image<Disparity>& ring = rows_[static_cast<std::size_t>(worker)];
+    ring.resize(width + 2, 3);
+    const auto row = [&](int y) { return ring.row((y + 3) % 3); };
+    const auto load = [&](int y) {
+      Disparity* to = row(y);
+      if (y < 0 || y >= height) {
+        std::fill(to, to + width + 2, kNoMatch);
+        return;
+      }
+      to[0] = to[width + 1] = kNoMatch;
+      std::copy(buffer_.row(y), buffer_.row(y) + width, to + 1);
+    };
+    load(first - 1);
+    load(first);
+    for (int y = first; y < last; ++y) {
+      load(y + 1);
+      fill_row(row(y - 1) + 1, row(y) + 1, row(y + 1) + 1, width,
+               from_previous ? previous_.row(y) : nullptr, spatial, disparity.row(y));
+    }
+  });
+}
 
-  for (int pass = 0; pass < passes; ++pass) {
-    if (!in_place) buffer_ = disparity;
-    const Image<Disparity>& from = in_place ? disparity : buffer_;
-    for (int y = 0; y < disparity.height; ++y) {
-      Disparity* row = disparity.row(y);
-      for (int x = 0; x < disparity.width; ++x) {
-        if (row[x] != kNoMatch) continue;
-        if (from_previous && pass == 0) row[x] = previous_(x, y);
-        if (options.spatial && row[x] == kNoMatch) {
-          row[x] = neighbourhood_median(from, x, y, options);
-        }
+// Every other reading, pixel by pixel.
+void HoleFilter::fill_plain(Image<Disparity>& disparity, const HoleFilterOptions& options,
+                            bool from_previous) {
+  const bool in_place = options.update == HoleFilterOptions::Update::kInPlace;
+  if (!in_place) buffer_ = disparity;
+  const Image<Disparity>& from = in_place ? disparity : buffer_;
+  for (int y = 0; y < disparity.height; ++y) {
+    Disparity* row = disparity.row(y);
+    for (int x = 0; x < disparity.width; ++x) {
+      if (row[x] != kNoMatch) continue;
+      if (from_previous) row[x] = previous_(x, y);
+      if (options.spatial && row[x] == kNoMatch) {
+        row[x] = neighbourhood_median(from, x, y, options);
       }
     }
   }
-  if (options.temporal)
-    previous_ = options.previous == O::Previous::kRaw ? std::move(raw) : disparity;
+}
+
+void HoleFilter::apply(Image<Disparity>& disparity, const HoleFilterOptions& options,
+                       const Context& context) {
+  if (disparity.empty() || (!options.temporal && !options.spatial)) return;
+  const ScopedTimer timer(context, "stereo/holes");
+  using O = HoleFilterOptions;
+  const bool keep_raw = options.temporal && options.previous == O::Previous::kRaw;
+  if (keep_raw) raw_ = disparity;
+  const int passes = options.spatial ? options.passes : 1;
+  for (int pass = 0; pass < passes; ++pass) {
+    const bool from_previous = pass == 0 && options.temporal && same_size(previous_, disparity);
+    if (options.update == O::Update::kBuffered && options.median == O::Median::kAll) {
+      fill_buffered(disparity, from_previous, options.spatial, context);
+    } else {
+      fill_plain(disparity, options, from_previous);
+    }
+  }
+  if (keep_raw) std::swap(previous_, raw_);
+  if (options.temporal && !keep_raw) previous_ = disparity;
 }
 
 }  // namespace tread

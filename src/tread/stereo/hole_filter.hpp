@@ -3,6 +3,8 @@
 // switchable; the defaults are the readings of METHODS 4.
 #pragma once
 
+#include <vector>
+
 #include "tread/core/options.hpp"
 #include "tread/core/timer.hpp"
 #include "tread/stereo/disparity.hpp"
@@ -34,8 +36,15 @@ class HoleFilter {
   void reset() { previous_ = {}; }
 
  private:
+  void fill_buffered(Image<Disparity>& disparity, bool from_previous, bool spatial,
+                     const Context& context);
+  void fill_plain(Image<Disparity>& disparity, const HoleFilterOptions& options,
+                  bool from_previous);
+
   Image<Disparity> previous_;
+  Image<Disparity> raw_;
   Image<Disparity> buffer_;
+  std::vector<Image<Disparity>> rows_;  // by worker
 };
 
 }  // namespace tread

@@ -9,6 +9,8 @@
 // Cost: O(pixels x disparities), whatever the window, by running sums.
 #pragma once
 
+#include <vector>
+
 #include "tread/core/options.hpp"
 #include "tread/core/timer.hpp"
 #include "tread/stereo/disparity.hpp"
@@ -46,8 +48,9 @@ struct SadOptions {
   int uniqueness_percent = 20;
   // No match where the edge image varies less over the window, grey levels a pixel. 0: not checked.
   double min_texture = 0.0;
-  // No match unless the best match of the matched pixel is the pixel itself to within this many
-  // disparities. Negative: not checked.
+  // Where several pixels chose the same pixel of the other image, it belongs to the one with the
+  // least cost; no match for those whose disparity differs from that one's by more than this.
+  // Negative: not checked.
   int left_right_tolerance_px = 0;
 };
 [[nodiscard]] OptionSet describe(SadOptions& options);
@@ -63,8 +66,8 @@ class SadMatcher {
              const Context& context = {});
 
  private:
-  Image<std::uint8_t> mirrored_left_;
-  Image<std::uint8_t> mirrored_right_;
+  std::vector<Image<std::uint8_t>> memory_;  // by worker
+  std::vector<int> column_sums_;             // of texture
 };
 
 }  // namespace tread

@@ -74,16 +74,16 @@ class Oracle {
     return best;
   }
 
-  // The disparity that the other image's pixel would choose among the reference's candidates.
-  [[nodiscard]] int winner_back(int other, int y) const {
+  // The disparity of the cheapest of the pixels that chose the other image's pixel.
+  [[nodiscard]] int owner_of(int other, int y) const {
     int best = -1000;
     long least = std::numeric_limits<long>::max();
     for (int d = o_.min_disparity_px; d < o_.min_disparity_px + o_.num_disparities; ++d) {
       const int x = left_is_reference() ? other + d : other - d;
-      if (x < 0 || x >= left_.width) continue;
-      const auto c = cost(x, y, d);
-      if (c && *c < least) {
-        least = *c;
+      if (x < 0 || x >= left_.width || winner(x, y) != d) continue;
+      const long c = *cost(x, y, d);
+      if (c < least) {
+        least = c;
         best = d;
       }
     }
@@ -109,7 +109,7 @@ class Oracle {
     }
     if (o_.min_texture > 0.0 && texture(x, y) < o_.min_texture) return kNoMatch;
     if (o_.left_right_tolerance_px >= 0) {
-      const int back = winner_back(left_is_reference() ? x - d0 : x + d0, y);
+      const int back = owner_of(left_is_reference() ? x - d0 : x + d0, y);
       if (std::abs(back - d0) > o_.left_right_tolerance_px) return kNoMatch;
     }
     return refined(x, y, d0);
@@ -144,7 +144,7 @@ class Oracle {
     if (o_.sub_pixel == SubPixel::kParabola && l - 2 * c + r > 0) {
       delta = 0.5 * (l - r) / (l - 2 * c + r);
     }
-    const double steps = std::round(delta * o_.sub_pixel_steps);
+    const double steps = std::nearbyint(delta * o_.sub_pixel_steps);  // half to even
     return static_cast<Disparity>(whole +
                                   static_cast<int>(steps) * kDisparityScale / o_.sub_pixel_steps);
   }

@@ -4,5 +4,6 @@ target_sources(tread_tests PRIVATE
   ${here}/disparity_range_test.cpp
   ${here}/edge_image_test.cpp
   ${here}/filters_test.cpp
+  ${here}/kernels_test.cpp
   ${here}/sad_matcher_test.cpp
   ${here}/stereo_matcher_test.cpp)

@@ -1,0 +1,140 @@
+#include "tread/stereo/filter_kernel.hpp"
+
+#include <algorithm>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "tread/stereo/filter_kernel.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace tread::HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using U16 = hn::ScalableTag<std::uint16_t>;
+using I16 = hn::ScalableTag<std::int16_t>;
+using HalfU8 = hn::Rebind<std::uint8_t, U16>;
+
+std::uint8_t edge_of(int response, int limit) {
+  return static_cast<std::uint8_t>(128 + std::clamp(response, -limit, std::min(limit, 127)));
+}
+
+// above + 2 here + below of columns first to last - 1.
+void smooth_columns(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below,
+                    int first, int last, std::uint16_t* sums) {
+  const U16 u16;
+  const HalfU8 u8;
+  const int lanes = static_cast<int>(hn::Lanes(u16));
+  int x = first;
+  for (; x + lanes <= last; x += lanes) {
+    const auto a = hn::PromoteTo(u16, hn::LoadU(u8, above + x));
+    const auto h = hn::PromoteTo(u16, hn::LoadU(u8, here + x));
+    const auto b = hn::PromoteTo(u16, hn::LoadU(u8, below + x));
+    hn::StoreU(hn::Add(hn::Add(a, b), hn::Add(h, h)), u16, sums + (x - first));
+  }
+  for (; x < last; ++x) {
+    sums[x - first] = static_cast<std::uint16_t>(above[x] + 2 * here[x] + below[x]);
+  }
+}
+
+void gradient_row_here(const std::uint8_t* above, const std::uint8_t* here,
+                       const std::uint8_t* below, int width, int limit, std::uint8_t* out) {
+  const I16 i16;
+  const HalfU8 u8;
+  const int lanes = static_cast<int>(hn::Lanes(i16));
+  const auto lowest = hn::Set(i16, static_cast<std::int16_t>(-limit));
+  const auto highest = hn::Set(i16, static_cast<std::int16_t>(std::min(limit, 127)));
+  const auto middle = hn::Set(i16, 128);
+  constexpr int kTile = 1024;  // columns at a time, so that their sums need no heap
+  HWY_ALIGN std::uint16_t sums[kTile + 2];
+  for (int tile = 0; tile < width; tile += kTile) {
+    // sums[1 + i] belongs to column tile + i; one more on both sides.
+    const int end = std::min(tile + kTile, width);
+    const int first = std::max(tile - 1, 0), last = std::min(end + 1, width);
+    smooth_columns(above, here, below, first, last, sums + 1 + (first - tile));
+    if (tile == 0) sums[0] = sums[1];
+    if (end == width) sums[1 + (end - tile)] = sums[end - tile];
+    int x = tile;
+    for (; x + lanes <= end; x += lanes) {
+      const auto left = hn::BitCast(i16, hn::LoadU(U16(), sums + (x - tile)));
+      const auto right = hn::BitCast(i16, hn::LoadU(U16(), sums + (x - tile) + 2));
+      const auto response = hn::Min(hn::Max(hn::Sub(right, left), lowest), highest);
+      hn::StoreU(hn::DemoteTo(u8, hn::Add(response, middle)), u8, out + x);
+    }
+    for (; x < end; ++x) out[x] = edge_of(sums[x - tile + 2] - sums[x - tile], limit);
+  }
+}
+
+template <class V>
+HWY_INLINE V middle_of(V a, V b, V c) {
+  return hn::Max(hn::Min(a, b), hn::Min(hn::Max(a, b), c));
+}
+
+// The median of the nine values around `here`: the largest of the columns' smallest, the middle of
+// their middles and the smallest of their largest hold it in their midst.
+template <class D>
+HWY_INLINE hn::Vec<D> median_of_nine(D d, const Disparity* above, const Disparity* here,
+                                     const Disparity* below) {
+  hn::Vec<D> low[3], mid[3], high[3];
+  for (int i = 0; i < 3; ++i) {
+    const auto a = hn::LoadU(d, above + i - 1);
+    const auto b = hn::LoadU(d, here + i - 1);
+    const auto c = hn::LoadU(d, below + i - 1);
+    const auto less = hn::Min(a, b), more = hn::Max(a, b);
+    low[i] = hn::Min(less, c);
+    mid[i] = hn::Max(less, hn::Min(more, c));
+    high[i] = hn::Max(more, c);
+  }
+  return middle_of(hn::Max(low[0], hn::Max(low[1], low[2])), middle_of(mid[0], mid[1], mid[2]),
+                   hn::Min(high[0], hn::Min(high[1], high[2])));
+}
+
+template <class D>
+HWY_INLINE void fill_at(D d, int x, const Disparity* above, const Disparity* here,
+                        const Disparity* below, const Disparity* previous, bool spatial,
+                        Disparity* out) {
+  const auto hole = hn::Set(d, kNoMatch);
+  const auto now = hn::LoadU(d, here + x);
+  auto filled = spatial ? median_of_nine(d, above + x, here + x, below + x) : hole;
+  if (previous != nullptr) {
+    const auto before = hn::LoadU(d, previous + x);
+    filled = hn::IfThenElse(hn::Eq(before, hole), filled, before);
+  }
+  hn::StoreU(hn::IfThenElse(hn::Eq(now, hole), filled, now), d, out + x);
+}
+
+void fill_row_here(const Disparity* above, const Disparity* here, const Disparity* below, int width,
+                   const Disparity* previous, bool spatial, Disparity* out) {
+  const U16 u16;
+  const int lanes = static_cast<int>(hn::Lanes(u16));
+  int x = 0;
+  for (; x + lanes <= width; x += lanes) {
+    fill_at(u16, x, above, here, below, previous, spatial, out);
+  }
+  for (; x < width; ++x) {
+    fill_at(hn::CappedTag<std::uint16_t, 1>(), x, above, here, below, previous, spatial, out);
+  }
+}
+
+}  // namespace
+}  // namespace tread::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace tread {
+HWY_EXPORT(gradient_row_here);
+HWY_EXPORT(fill_row_here);
+
+void gradient_row(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below,
+                  int width, int limit, std::uint8_t* out) {
+  HWY_DYNAMIC_DISPATCH(gradient_row_here)(above, here, below, width, limit, out);
+}
+
+void fill_row(const Disparity* above, const Disparity* here, const Disparity* below, int width,
+              const Disparity* previous, bool spatial, Disparity* out) {
+  HWY_DYNAMIC_DISPATCH(fill_row_here)(above, here, below, width, previous, spatial, out);
+}
+}  // namespace tread
+#endif

@@ -1,0 +1,22 @@
+// The vectorised rows of the image filters around the matcher; each equals its plain form in
+// edge_image.cpp and hole_filter.cpp bit for bit.
+#pragma once
+
+#include <cstdint>
+
+#include "tread/stereo/disparity.hpp"
+
+namespace tread {
+
+// One row of the horizontal Sobel response, 128 + clamp(response, -limit, min(limit, 127)). The
+// rows have `width` pixels; beyond the ends lie the nearest ones.
+void gradient_row(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below,
+                  int width, int limit, std::uint8_t* out);
+
+// One row of holes filled: from `previous` where that knows (null: not used), else, if spatial,
+// with the median of all nine values. The rows have one pixel more on both sides, which is
+// kNoMatch.
+void fill_row(const Disparity* above, const Disparity* here, const Disparity* below, int width,
+              const Disparity* previous, bool spatial, Disparity* out);
+
+}  // namespace tread

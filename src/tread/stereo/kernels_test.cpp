@@ -1,0 +1,231 @@
+// The vectorised kernels against their plain forms, bit for bit, on every instruction set that this
+// machine has. The images are exactly as large as their pixels, so that a sanitizer sees a read
+// behind them.
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+#include <algorithm>
+#include <array>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "tread/stereo/filter_kernel.hpp"
+#include "tread/stereo/sad_plain.hpp"
+
+namespace tread {
+namespace {
+
+// Runs the body once for each instruction set.
+template <class Body>
+void on_every_target(const Body& body) {
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    SCOPED_TRACE(hwy::TargetName(target));
+    hwy::SetSupportedTargetsForTest(target);
+    body();
+  }
+  hwy::SetSupportedTargetsForTest(0);
+}
+
+// Pixels without a byte to spare behind them.
+template <class T>
+struct Tight {
+  Tight(int w, int h, std::ptrdiff_t row_stride)
+      : width(w),
+        height(h),
+        stride(row_stride),
+        pixels(static_cast<std::size_t>(stride * (h - 1) + w)) {}
+  [[nodiscard]] ImageView<const T> view() const { return {pixels.data(), width, height, stride}; }
+  int width, height;
+  std::ptrdiff_t stride;
+  std::vector<T> pixels;
+};
+
+struct Case {
+  int width = 0, height = 0, spread = 0;
+  SadOptions options;
+  unsigned seed = 0;
+};
+
+std::ostream& operator<<(std::ostream& out, const Case& c) {
+  return out << c.width << "x" << c.height << " window " << c.options.window_width_px << "x"
+             << c.options.window_height_px << " disparities " << c.options.min_disparity_px << "+"
+             << c.options.num_disparities << " spread " << c.spread << " seed " << c.seed;
+}
+
+// Noise on steps: costs tie, checks pass and fail.
+Tight<std::uint8_t> blocks(const Case& c, unsigned seed) {
+  std::mt19937 random(seed);
+  Tight<std::uint8_t> image(c.width, c.height, c.width + static_cast<int>(random() % 3));
+  const auto range = static_cast<std::uint32_t>(c.spread) + 1;
+  std::uint32_t level = 0;
+  for (auto& pixel : image.pixels) {
+    if (random() % 4 == 0) level = static_cast<std::uint32_t>(random() % range);
+    pixel = static_cast<std::uint8_t>(128 - c.spread / 2 + static_cast<int>(level));
+  }
+  return image;
+}
+
+void expect_equal_to_plain(const Case& c) {
+  const Tight<std::uint8_t> reference = blocks(c, c.seed), other = blocks(c, c.seed + 1000);
+  SadImages images{reference.view(), other.view(), c.options.reference == Reference::kRight,
+                   c.spread};
+  // One of both images shifted, so that there is something to find.
+  Tight<std::uint8_t> shifted = other;
+  const int shift = c.options.min_disparity_px + c.options.num_disparities / 2;
+  const int sign = images.mirrored ? 1 : -1;
+  for (int y = 0; y < c.height; ++y) {
+    for (int x = 0; x < c.width; ++x) {
+      const int to = x + sign * shift;
+      if (to < 0 || to >= c.width || (x / 16 + y / 8) % 3 == 0) continue;
+      shifted.pixels[static_cast<std::size_t>(y * shifted.stride + to)] =
+          reference.pixels[static_cast<std::size_t>(y * reference.stride + x)];
+    }
+  }
+  images.other = shifted.view();
+  Image<Disparity> expected(c.width, c.height, 1), found(c.width, c.height, 2);
+  match_rows_plain(images, c.options, 0, c.height, expected);
+  Image<std::uint8_t> memory;
+  const int middle = c.height / 2;
+  match_rows(images, c.options, 0, middle, memory, found);
+  match_rows(images, c.options, middle, c.height, memory, found);
+  ASSERT_TRUE(found == expected) << c;
+}
+
+Case random_case(unsigned seed) {
+  std::mt19937 random(seed);
+  const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
+  const auto choose = [&](auto... values) {
+    const std::array all{values...};
+    return all[static_cast<std::size_t>(below(static_cast<int>(all.size())))];
+  };
+  Case c;
+  c.seed = seed;
+  c.width = choose(1, 2, 7, 33, 64, 90, 131, 200);
+  c.height = 1 + below(24);
+  c.spread = choose(3, 30, 30, 60, 127, 255);
+  SadOptions& o = c.options;
+  o.window_width_px = 1 + 2 * below(16);
+  o.window_height_px = 1 + 2 * below(16);
+  while (o.window_width_px * o.window_height_px * c.spread > kLargestKernelSum) c.spread /= 2;
+  o.min_disparity_px = below(std::min(c.width, 20));
+  o.num_disparities = 1 + below(c.width - o.min_disparity_px);
+  o.reference = choose(Reference::kLeft, Reference::kRight);
+  o.reduced_range_at_border = below(3) > 0;
+  o.sub_pixel = choose(SubPixel::kNone, SubPixel::kSymmetricV, SubPixel::kParabola);
+  o.sub_pixel_steps = choose(1, 3, 4, 6, 16, 64);
+  o.strict_sub_pixel = below(2) == 0;
+  o.uniqueness_percent = choose(0, 1, 15, 100);
+  o.left_right_tolerance_px = below(4) - 1;
+  return c;
+}
+
+TEST(SadKernel, EqualsThePlainFormOnEveryInstructionSet) {
+  on_every_target([] {
+    for (unsigned seed = 1; seed <= 250; ++seed) {
+      expect_equal_to_plain(random_case(seed));
+      if (testing::Test::HasFatalFailure()) return;
+    }
+  });
+}
+
+TEST(SadKernel, EqualsThePlainFormOnWideImagesAndRanges) {
+  std::vector<Case> cases;
+  for (const auto& [width, disparities] : {std::pair{4096, 70}, {4096, 256}, {1500, 1000}}) {
+    Case c;
+    c.width = width;
+    c.height = 3;
+    c.spread = 30;
+    c.seed = static_cast<unsigned>(disparities);
+    c.options.num_disparities = disparities;
+    cases.push_back(c);
+    c.options.window_width_px = c.options.window_height_px = 31;
+    c.options.uniqueness_percent = 5;
+    cases.push_back(c);
+  }
+  on_every_target([&] {
+    for (const Case& c : cases) {
+      expect_equal_to_plain(c);
+      if (testing::Test::HasFatalFailure()) return;
+    }
+  });
+}
+
+// Costs so large that the margin of uniqueness does not fit a byte.
+TEST(SadKernel, UniquenessOfLargeCosts) {
+  Case c;
+  c.width = 120;
+  c.height = 9;
+  c.spread = 255;
+  c.options.window_width_px = c.options.window_height_px = 11;
+  c.options.num_disparities = 40;
+  for (int percent : {1, 5, 20, 100}) {
+    c.options.uniqueness_percent = percent;
+    c.seed = static_cast<unsigned>(percent);
+    on_every_target([&] { expect_equal_to_plain(c); });
+  }
+}
+
+TEST(GradientRow, EqualsItsDefinitionOnEveryInstructionSet) {
+  on_every_target([] {
+    for (int width : {1, 2, 3, 31, 32, 33, 65, 1023, 1024, 1025, 1056, 2050, 4096}) {
+      for (int limit : {1, 15, 127, 128}) {
+        std::mt19937 random(static_cast<unsigned>(width));
+        std::array<std::vector<std::uint8_t>, 3> rows;
+        for (auto& row : rows) {
+          row.resize(static_cast<std::size_t>(width));
+          for (auto& pixel : row) pixel = static_cast<std::uint8_t>(random());
+        }
+        std::vector<std::uint8_t> out(static_cast<std::size_t>(width));
+        gradient_row(rows[0].data(), rows[1].data(), rows[2].data(), width, limit, out.data());
+        for (int x = 0; x < width; ++x) {
+          const auto l = static_cast<std::size_t>(std::max(x - 1, 0));
+          const auto r = static_cast<std::size_t>(std::min(x + 1, width - 1));
+          const int response =
+              rows[0][r] - rows[0][l] + 2 * (rows[1][r] - rows[1][l]) + rows[2][r] - rows[2][l];
+          const int expected = 128 + std::clamp(response, -limit, std::min(limit, 127));
+          ASSERT_EQ(out[static_cast<std::size_t>(x)], expected) << width << " " << x;
+        }
+      }
+    }
+  });
+}
+
+TEST(FillRow, TakesThePreviousThenTheFifthOfNineOnEveryInstructionSet) {
+  on_every_target([] {
+    for (int width : {1, 7, 8, 15, 16, 31, 32, 33, 100}) {
+      std::mt19937 random(static_cast<unsigned>(width));
+      const auto value = [&] {
+        return random() % 3 == 0 ? kNoMatch : static_cast<Disparity>(random() % 0xFFFF);
+      };
+      std::array<std::vector<Disparity>, 4> rows;  // three around the row, and the previous one
+      for (auto& row : rows) {
+        row.resize(static_cast<std::size_t>(width) + 2);
+        std::generate(row.begin(), row.end(), value);
+      }
+      for (const bool with_previous : {false, true}) {
+        for (const bool spatial : {false, true}) {
+          std::vector<Disparity> out(static_cast<std::size_t>(width));
+          fill_row(rows[0].data() + 1, rows[1].data() + 1, rows[2].data() + 1, width,
+                   with_previous ? rows[3].data() + 1 : nullptr, spatial, out.data());
+          for (std::size_t x = 1; x <= static_cast<std::size_t>(width); ++x) {
+            std::vector<Disparity> nine;
+            for (int i = 0; i < 3; ++i) {
+              const auto& row = rows[static_cast<std::size_t>(i)];
+              nine.insert(nine.end(), row.begin() + static_cast<std::ptrdiff_t>(x) - 1,
+                          row.begin() + static_cast<std::ptrdiff_t>(x) + 2);
+            }
+            std::sort(nine.begin(), nine.end());
+            Disparity expected = rows[1][x];
+            if (expected == kNoMatch && with_previous) expected = rows[3][x];
+            if (expected == kNoMatch && spatial) expected = nine[4];
+            ASSERT_EQ(out[x - 1], expected) << width << " " << x;
+          }
+        }
+      }
+    }
+  });
+}
+
+}  // namespace
+}  // namespace tread
