@@ -65,15 +65,36 @@ HWY_INLINE Bytes narrow(Words lower, Words upper) {
 #endif
 }
 
+// The least of all lanes, none negative, in lane 0.
 template <class D, class V>
-HWY_INLINE int least_of(D d, V v) {
+HWY_INLINE auto least_of(D d, V v) {
   if constexpr (hn::MaxLanes(D()) > 8) {
     const hn::Half<D> half;
     return least_of(half, Min(LowerHalf(half, v), UpperHalf(half, v)));
   } else {
-    const hn::RebindToUnsigned<D> unsigned_tag;  // one instruction where there is one
-    return static_cast<int>(GetLane(MinOfLanes(unsigned_tag, BitCast(unsigned_tag, v))));
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_SSE4
+    return V{_mm_minpos_epu16(v.raw)};
+#else
+    return MinOfLanes(d, v);
+#endif
   }
+}
+
+// Lane 0 of a vector of eight in every lane.
+template <class V>
+HWY_INLINE Words spread_word(V v) {
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+  return Words{_mm512_broadcastw_epi16(v.raw)};
+#elif HWY_TARGET == HWY_AVX2
+  return Words{_mm256_broadcastw_epi16(v.raw)};
+#else
+  return hn::Broadcast<0>(v);
+#endif
+}
+
+// Of bits of which at least one is set.
+HWY_INLINE std::uint32_t lowest_bit(std::uint64_t bits) {
+  return static_cast<std::uint32_t>(hwy::Num0BitsBelowLS1Bit_Nonzero64(bits));
 }
 
 HWY_INLINE std::uint64_t bits_of(hn::Mask<U8> mask) {
@@ -82,14 +103,23 @@ HWY_INLINE std::uint64_t bits_of(hn::Mask<U8> mask) {
   return bits;
 }
 
-// What the columns of one row leave for its second pass, by x.
-struct RowResult {
-  std::int16_t* index;   // of the least cost, disparity - min_disparity
-  std::int16_t* least;   // that cost
-  std::int16_t* before;  // the cost of one disparity less, kNoCost outside the range
-  std::int16_t* behind;  // and of one more
-  std::int16_t* unique;  // -1: no other disparity is nearly as cheap, 0
+// The lanes of a that are at most b.
+HWY_INLINE std::uint64_t bits_at_most(Bytes a, Bytes b) {
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+  return ~bits_of(Gt(a, b));  // all 64 bits are lanes
+#else
+  return bits_of(Eq(Min(a, b), a));
+#endif
+}
+
+// What the columns of one row leave for its second pass.
+struct PixelResult {
+  std::uint32_t winner;      // its cost << 16 | its index: disparity - min_disparity
+  std::uint32_t neighbours;  // cost of one disparity less | of one more << 16, kNoCost where the
+                             // range ends; kAmbiguous besides if others are nearly as cheap
 };
+constexpr std::uint32_t kAmbiguous = 0x80000000U;
+constexpr std::uint32_t kIndexMask = 0xFFFFU;
 
 // Matches the rows of a band. Column: what holds a column's sum over the rows of the window, 8 bits
 // if that is enough, else 16.
@@ -154,11 +184,8 @@ class Band {
     costs_ = take<std::int16_t>(base, padded + 8);
     lane_ = take<std::int16_t>(base, padded);
     place_ = take<std::int16_t>(base, static_cast<std::size_t>(range_) + 2);
-    for (std::int16_t** row :
-         {&row_.index, &row_.least, &row_.before, &row_.behind, &row_.unique}) {
-      *row = take<std::int16_t>(base, width + kLanes);
-    }
-    chosen_ = take<std::uint32_t>(base, width + static_cast<std::size_t>(range_));
+    pixels_ = take<PixelResult>(base, width + kLanes);
+    owner_ = take<std::uint32_t>(base, width + static_cast<std::size_t>(range_));
     ring_ = take<std::int16_t>(base, kNarrow ? window * padded : 0);
     sums_ = take<Column>(base, (columns + (kNarrow ? 0 : window)) * padded);
   }
@@ -175,11 +202,16 @@ class Band {
     constexpr std::uint32_t kFourTimes = 0x01010101U;
     std::uint32_t* inside = left + radius_x_;
     std::fill(left, inside, from[mirrored ? last : 0] * kFourTimes);
-    if (mirrored) {
-      for (int x = 0; x < width_; ++x) inside[x] = from[last - x] * kFourTimes;
-    } else {
-      for (int x = 0; x < width_; ++x) inside[x] = from[x] * kFourTimes;
+    int x = 0;
+    if (!mirrored) {
+      const hn::Rebind<std::uint8_t, U32> pixels;
+      const int lanes = static_cast<int>(Lanes(U32()));
+      for (; x + lanes <= width_; x += lanes) {
+        const auto four = Mul(PromoteTo(U32(), LoadU(pixels, from + x)), Set(U32(), kFourTimes));
+        StoreU(four, U32(), inside + x);
+      }
     }
+    for (; x < width_; ++x) inside[x] = from[mirrored ? last - x : x] * kFourTimes;
     std::fill(inside + width_, left + columns_, from[mirrored ? 0 : last] * kFourTimes);
 
     const int length = columns_ + padded_;
@@ -196,7 +228,7 @@ class Band {
     std::fill(right + end, right + length, other[mirrored ? last : 0]);
   }
 
-  HWY_INLINE Bytes difference(Bytes left, const std::uint8_t* right) const {
+  static HWY_INLINE Bytes difference(Bytes left, const std::uint8_t* right) {
     const Bytes other = LoadU(U8(), right);
     if constexpr (kNarrow) {  // differences fit seven bits there
       return BitCast(U8(), Abs(BitCast(I8(), Sub(left, other))));
@@ -231,117 +263,176 @@ class Band {
     }
   }
 
-  // Moves the window one column to the right: column c enters.
-  HWY_INLINE void slide(int c, int vectors, std::int16_t* ring, Words* cost) const {
-    const Bytes in = spread(left_in_[c]), out = spread(left_out_[c]);
-    const std::uint8_t* right_in = right_in_ + (columns_ - 1 - c);
-    const std::uint8_t* right_out = right_out_ + (columns_ - 1 - c);
-    Column* sum = column(c);
+  // Where the next column of the row at hand lies; all that the inner loop reads and writes.
+  struct Cursor {
+    const std::uint32_t* left_in;
+    const std::uint32_t* left_out;
+    const std::uint8_t* right_in;
+    const std::uint8_t* right_out;
+    Column* sum;
+    std::int16_t* ring;  // narrow: the column that leaves, widened
+    std::int16_t* ring_begin;
+    std::int16_t* ring_end;
+    std::ptrdiff_t window;  // elements from a column to the one that leaves with it
+    std::int16_t* costs;
+    const std::int16_t* lane;
+    const std::int16_t* place;
+    std::uint64_t uniqueness;  // per cent / 100, 32 bits behind the point, rounded up
+  };
+
+  // Moves the window one column to the right.
+  static HWY_INLINE void slide(Cursor& at, int vectors, Words* cost) {
+    const Bytes in = spread(*at.left_in++), out = spread(*at.left_out++);
     for (int i = 0; i < vectors; ++i) {
       const int d = i * kLanes, upper_d = d + kLanes / 2;
-      const Bytes added = difference(in, right_in + d);
-      const Bytes taken = difference(out, right_out + d);
+      const Bytes added = difference(in, at.right_in + d);
+      const Bytes taken = difference(out, at.right_out + d);
       if constexpr (kNarrow) {
-        const Bytes now = Sub(Add(Load(U8(), sum + d), added), taken);
-        Store(now, U8(), sum + d);
+        const Bytes now = Sub(Add(Load(U8(), at.sum + d), added), taken);
+        Store(now, U8(), at.sum + d);
         const Words lower = widen_lower(now), upper = widen_upper(now);
-        cost[2 * i] = Add(cost[2 * i], Sub(lower, Load(I16(), ring + d)));
-        cost[2 * i + 1] = Add(cost[2 * i + 1], Sub(upper, Load(I16(), ring + upper_d)));
-        Store(lower, I16(), ring + d);
-        Store(upper, I16(), ring + upper_d);
+        cost[2 * i] = Add(cost[2 * i], Sub(lower, Load(I16(), at.ring + d)));
+        cost[2 * i + 1] = Add(cost[2 * i + 1], Sub(upper, Load(I16(), at.ring + upper_d)));
+        Store(lower, I16(), at.ring + d);
+        Store(upper, I16(), at.ring + upper_d);
       } else {
-        const Column* old = column(c - options_.window_width_px);
-        const Words lower = Sub(Add(Load(I16(), sum + d), widen_lower(added)), widen_lower(taken));
+        const Column* old = at.sum - at.window;
+        const Words lower =
+            Sub(Add(Load(I16(), at.sum + d), widen_lower(added)), widen_lower(taken));
         const Words upper =
-            Sub(Add(Load(I16(), sum + upper_d), widen_upper(added)), widen_upper(taken));
-        Store(lower, I16(), sum + d);
-        Store(upper, I16(), sum + upper_d);
+            Sub(Add(Load(I16(), at.sum + upper_d), widen_upper(added)), widen_upper(taken));
+        Store(lower, I16(), at.sum + d);
+        Store(upper, I16(), at.sum + upper_d);
         cost[2 * i] = Add(cost[2 * i], Sub(lower, Load(I16(), old + d)));
         cost[2 * i + 1] = Add(cost[2 * i + 1], Sub(upper, Load(I16(), old + upper_d)));
       }
     }
+    --at.right_in;
+    --at.right_out;
+    at.sum += vectors * kLanes;
+    if constexpr (kNarrow) {
+      at.ring += vectors * kLanes;
+      if (at.ring == at.ring_end) at.ring = at.ring_begin;
+    }
   }
 
-  // Finds the winner of pixel x among the first `fit` disparities. Masked: not all lanes count.
-  template <bool kMasked>
-  HWY_INLINE void decide(int x, int fit, int vectors, const Words* window) const {
+  // The winner of a pixel among the first `fit` disparities. Masked: not all lanes count. kBits:
+  // all lanes fit one word of bits.
+  template <bool kMasked, bool kBits>
+  static HWY_INLINE PixelResult decide(const Cursor& at, int fit, int vectors,
+                                       const Words* window) {
     Words cost[2 * kMaxVectors];
     for (int i = 0; i < 2 * vectors; ++i) {
       cost[i] = window[i];
       if constexpr (kMasked) {
-        const Words lane = Load(I16(), lane_ + i * kLanes / 2);
+        const Words lane = Load(I16(), at.lane + i * kLanes / 2);
         cost[i] = IfThenElse(Lt(lane, Set(I16(), static_cast<std::int16_t>(fit))), cost[i],
                              Set(I16(), kNoCost));
       }
-      Store(cost[i], I16(), costs_ + i * kLanes / 2);
+      Store(cost[i], I16(), at.costs + i * kLanes / 2);
     }
-    Words least_lanes = cost[0];
-    for (int i = 1; i < 2 * vectors; ++i) least_lanes = Min(least_lanes, cost[i]);
-    const int least = least_of(I16(), least_lanes);
-    const int margin = least * options_.uniqueness_percent / 100;
+    Words least_lanes = Min(cost[0], cost[1]);
+    for (int i = 2; i < 2 * vectors; ++i) least_lanes = Min(least_lanes, cost[i]);
+    const auto least_lane = least_of(I16(), least_lanes);
+    const auto least = static_cast<std::uint32_t>(GetLane(least_lane));
+    const auto margin = static_cast<std::uint32_t>(least * at.uniqueness >> 32);
 
-    const Words least_cost = Set(I16(), static_cast<std::int16_t>(least));
-    const Bytes limit = Set(U8(), static_cast<std::uint8_t>(std::min(margin, 255)));
-    int index = 0;
-    std::size_t close = 0;
+    const Words least_cost = spread_word(least_lane);
+    const Bytes limit = Set(U8(), static_cast<std::uint8_t>(margin));
+    std::uint64_t equal = 0, close = 0;
+    std::uint32_t index = 0;
+    std::size_t close_count = 0;
     for (int i = vectors - 1; i >= 0; --i) {
       const Bytes excess = narrow(Sub(cost[2 * i], least_cost), Sub(cost[2 * i + 1], least_cost));
-      const std::uint64_t equal = bits_of(Eq(excess, Zero(U8())));
-      if (equal != 0 || i == vectors - 1) {
-        index =
-            i * kLanes +
-            static_cast<int>(hwy::Num0BitsBelowLS1Bit_Nonzero64(equal | (std::uint64_t{1} << 63)));
+      const std::uint64_t equal_here = bits_of(Eq(excess, Zero(U8())));
+      const std::uint64_t close_here = bits_at_most(excess, limit);
+      if constexpr (kBits) {
+        equal |= equal_here << (i * kLanes);
+        close |= close_here << (i * kLanes);
+      } else {
+        if (equal_here != 0) {
+          index = static_cast<std::uint32_t>(i * kLanes) + lowest_bit(equal_here);
+        }
+        close_count += hwy::PopCount(close_here);
       }
-      close += hwy::PopCount(bits_of(Eq(Min(excess, limit), excess)));
     }
-    const int before = costs_[place_[index]], behind = costs_[place_[index + 2]];
-    if (HWY_UNLIKELY(margin >= 255)) close = count_close(least + margin);
-    const std::size_t own =
-        1U + (before - least <= margin ? 1U : 0U) + (behind - least <= margin ? 1U : 0U);
-    row_.index[x] = static_cast<std::int16_t>(index);
-    row_.least[x] = static_cast<std::int16_t>(least);
-    row_.before[x] = static_cast<std::int16_t>(before);
-    row_.behind[x] = static_cast<std::int16_t>(behind);
-    row_.unique[x] = close == own ? -1 : 0;
+    if constexpr (kBits) index = lowest_bit(equal);
+    const auto before = static_cast<std::uint32_t>(at.costs[at.place[index]]);
+    const auto behind = static_cast<std::uint32_t>(at.costs[at.place[index + 2]]);
+    bool ambiguous = false;
+    if (HWY_UNLIKELY(margin >= 255)) {
+      ambiguous = close_by_words(at.costs, vectors, least + margin) !=
+                  own_count(least + margin, before, behind);
+    } else if constexpr (kBits) {
+      const std::uint64_t best = equal & (~equal + 1);
+      ambiguous = (close & ~(best | best << 1 | best >> 1)) != 0;
+    } else {
+      ambiguous = close_count != own_count(least + margin, before, behind);
+    }
+    return {least << 16 | index, before | behind << 16 | (ambiguous ? kAmbiguous : 0U)};
   }
 
-  HWY_NOINLINE std::size_t count_close(int limit) const {
-    return static_cast<std::size_t>(std::count_if(
-        costs_, costs_ + padded_, [limit](std::int16_t c) { return c <= limit && c != kNoCost; }));
+  // How many of the winner and its neighbours cost at most `limit`.
+  static HWY_INLINE std::size_t own_count(std::uint32_t limit, std::uint32_t before,
+                                          std::uint32_t behind) {
+    return 1U + (before <= limit ? 1U : 0U) + (behind <= limit ? 1U : 0U);
+  }
+
+  // How many cost at most `limit`, where that is more than a byte above the least.
+  static HWY_NOINLINE std::size_t close_by_words(const std::int16_t* costs, int vectors,
+                                                 std::uint32_t limit) {
+    const auto top = static_cast<std::int16_t>(std::min<std::uint32_t>(limit, kNoCost - 1));
+    std::size_t count = 0;
+    for (int i = 0; i < 2 * vectors; ++i) {
+      const Words cost = Load(I16(), costs + i * kLanes / 2);
+      count += CountTrue(I16(), Eq(Min(cost, Set(I16(), top)), cost));
+    }
+    return count;
   }
 
   template <int kVectors>
-  HWY_NOINLINE void match_columns_of() const {
+  HWY_NOINLINE void match_columns_of() {
     const int vectors = kVectors > 0 ? kVectors : vectors_;
+    constexpr bool kBits = kVectors * kLanes <= 64 && kVectors > 0;
     Words cost[2 * (kVectors > 0 ? kVectors : kMaxVectors)];
     for (int i = 0; i < 2 * vectors; ++i) cost[i] = Zero(I16());
-    const int window = options_.window_width_px;
+    const std::ptrdiff_t window = static_cast<std::ptrdiff_t>(options_.window_width_px) * padded_;
+    if constexpr (kNarrow) std::memset(ring_, 0, static_cast<std::size_t>(window) * 2);
+    const auto percent = static_cast<std::uint64_t>(options_.uniqueness_percent);
+    Cursor at{left_in_,
+              left_out_,
+              right_in_ + columns_ - 1,
+              right_out_ + columns_ - 1,
+              column(0),
+              ring_,
+              ring_,
+              ring_ + window,
+              window,
+              costs_,
+              lane_,
+              place_,
+              ((percent << 32) + 99) / 100};
     const int begin = first_pixel();
-    // From here on the whole range fits the image.
-    const int full = padded_ == range_
-                         ? std::clamp(options_.min_disparity_px + range_ - 1, begin, width_)
-                         : width_;
-    int c = 0;
-    std::int16_t* ring = ring_;
-    const std::int16_t* ring_end = ring_ + static_cast<std::ptrdiff_t>(window) * padded_;
-    const auto turn = [&]() HWY_ATTR {
-      slide(c++, vectors, ring, cost);
-      ring += padded_;
-      if (ring == ring_end) ring = ring_;
-    };
-    if constexpr (kNarrow) std::memset(ring_, 0, static_cast<std::size_t>(window * padded_) * 2);
-    while (c < window - 1 + begin && c < columns_) turn();
-    for (int x = begin; x < full; ++x) {
-      turn();
-      decide<true>(x, std::min(range_, x - options_.min_disparity_px + 1), vectors, cost);
+    const int width = width_, range = range_;
+    // From here on the whole range fits the image and the vectors.
+    const int full =
+        padded_ == range ? std::clamp(options_.min_disparity_px + range - 1, begin, width) : width;
+    PixelResult* pixels = pixels_;
+    for (int c = std::min(options_.window_width_px - 1 + begin, columns_); c > 0; --c) {
+      slide(at, vectors, cost);
     }
-    for (int x = full; x < width_; ++x) {
-      turn();
-      decide<false>(x, range_, vectors, cost);
+    for (int x = begin; x < full; ++x) {
+      slide(at, vectors, cost);
+      const int fit = std::min(range, x - options_.min_disparity_px + 1);
+      pixels[x] = decide<true, kBits>(at, fit, vectors, cost);
+    }
+    for (int x = full; x < width; ++x) {
+      slide(at, vectors, cost);
+      pixels[x] = decide<false, kBits>(at, range, vectors, cost);
     }
   }
 
-  void match_columns() const {
+  void match_columns() {
     switch (vectors_) {
       case 1:
         return match_columns_of<1>();
@@ -363,70 +454,86 @@ class Band {
   void finish_row(Disparity* out) const {
     const int begin = first_pixel();
     std::fill(out, out + begin, kNoMatch);
+    if (options_.left_right_tolerance_px >= 0) choose_owners(begin);
     refine(begin, out);
-    if (options_.left_right_tolerance_px >= 0) check_back(begin, out);
     if (images_.mirrored) std::reverse(out, out + width_);
   }
 
-  // Below the pixel: n / m of a step, rounded to the nearest, half to even. Both are small enough
-  // integers that a float's quotient never rounds to another step than the true one would.
-  void refine(int begin, Disparity* out) const {
-    const F32 f32;
-    const I32 i32;
-    const hn::Rebind<std::int16_t, I32> i16;
-    const hn::Rebind<std::uint16_t, I32> u16;
-    const int lanes = static_cast<int>(Lanes(i32));
-    const auto no_cost = Set(i32, kNoCost);
-    const auto steps = Set(f32, static_cast<float>(options_.sub_pixel_steps));
-    const auto scale = Set(f32, static_cast<float>(kDisparityScale));
-    const bool strict = options_.strict_sub_pixel;
-    const bool every = options_.uniqueness_percent <= 0;
-    HWY_ALIGN Disparity last[static_cast<int>(hn::MaxLanes(I32()))];
-    for (int x = begin; x < width_; x += lanes) {
-      const auto c = PromoteTo(i32, LoadU(i16, row_.least + x));
-      const auto l = PromoteTo(i32, LoadU(i16, row_.before + x));
-      const auto r = PromoteTo(i32, LoadU(i16, row_.behind + x));
-      const auto index = PromoteTo(i32, LoadU(i16, row_.index + x));
-      const auto unique = PromoteTo(i32, LoadU(i16, row_.unique + x));
-      const auto inside = And(Ne(l, no_cost), Ne(r, no_cost));
-      auto divisor = Zero(i32);
-      if (options_.sub_pixel == SubPixel::kSymmetricV) divisor = Sub(Max(l, r), c);
-      if (options_.sub_pixel == SubPixel::kParabola) divisor = Sub(Add(l, r), Add(c, c));
-      const auto refined = And(inside, Gt(divisor, Zero(i32)));
-      const auto m = ConvertTo(f32, IfThenElse(refined, Add(divisor, divisor), Set(i32, 1)));
-      const auto n = Mul(ConvertTo(f32, Sub(l, r)), steps);
-      const auto whole_steps = Round(IfThenElseZero(RebindMask(f32, refined), Div(n, m)));
-      const auto fraction = ConvertTo(i32, Div(Mul(whole_steps, scale), steps));
-      const auto whole =
-          Mul(Add(index, Set(i32, options_.min_disparity_px)), Set(i32, kDisparityScale));
-      auto good = every ? Eq(c, c) : Ne(unique, Zero(i32));
-      if (strict) good = And(good, And(inside, And(Gt(l, c), Gt(r, c))));
-      const auto found =
-          DemoteTo(u16, IfThenElse(good, Add(whole, fraction), Set(i32, int{kNoMatch})));
-      if (x + lanes <= width_) {
-        StoreU(found, u16, out + x);
-      } else {
-        Store(found, u16, last);
-        std::copy(last, last + (width_ - x), out + x);
-      }
+  // A pixel of the other image belongs to the cheapest of those that chose it, of equal ones to the
+  // one with the smaller disparity.
+  void choose_owners(int begin) const {
+    const int size = width_ - options_.min_disparity_px;
+    std::uint32_t* owner = owner_;
+    std::fill(owner, owner + std::max(size, 0), ~std::uint32_t{0});
+    const PixelResult* pixels = pixels_;
+    owner -= options_.min_disparity_px;
+    for (int x = begin; x < width_; ++x) {
+      const std::uint32_t winner = pixels[x].winner;
+      std::uint32_t& o = owner[x - static_cast<int>(winner & kIndexMask)];
+      // The lesser of both. A compiler that sees a minimum moves both through vector registers.
+      const std::int64_t less = std::int64_t{winner} - std::int64_t{o};
+      o += static_cast<std::uint32_t>(less & (less >> 63));
     }
   }
 
-  // A pixel of the other image belongs to the cheapest of those that chose it, of equal ones to the
-  // one with the smaller disparity; the others have no match.
-  void check_back(int begin, Disparity* out) const {
-    const int size = width_ - options_.min_disparity_px;
-    std::fill(chosen_, chosen_ + std::max(size, 0), ~std::uint32_t{0});
-    for (int x = begin; x < width_; ++x) {
-      std::uint32_t& chosen = chosen_[x - options_.min_disparity_px - row_.index[x]];
-      const std::uint32_t key = static_cast<std::uint32_t>(row_.least[x]) << 16 |
-                                static_cast<std::uint32_t>(row_.index[x]);
-      chosen = std::min(chosen, key);
-    }
-    for (int x = begin; x < width_; ++x) {
-      const int index = row_.index[x];
-      const int back = static_cast<int>(chosen_[x - options_.min_disparity_px - index] & 0xFFFFU);
-      if (std::abs(back - index) > options_.left_right_tolerance_px) out[x] = kNoMatch;
+  // The disparities below the pixel: n / m of a step, rounded to the nearest, half to even. Both
+  // are small enough integers that a float's quotient never rounds to another step than the true
+  // one.
+  void refine(int begin, Disparity* out) const {
+    const F32 f32;
+    const I32 i32;
+    const hn::Rebind<std::uint16_t, I32> u16;
+    const int lanes = static_cast<int>(Lanes(i32));
+    const auto no_cost = Set(i32, kNoCost);
+    const auto low = Set(i32, 0xFFFF);
+    const auto one = Set(i32, 1);
+    const auto steps = Set(f32, static_cast<float>(options_.sub_pixel_steps));
+    const auto scale = Set(f32, static_cast<float>(kDisparityScale));
+    const auto min_disparity = Set(i32, options_.min_disparity_px);
+    const auto tolerance = Set(i32, options_.left_right_tolerance_px);
+    const bool strict = options_.strict_sub_pixel;
+    const bool check_unique = options_.uniqueness_percent > 0;
+    const bool check_back = options_.left_right_tolerance_px >= 0;
+    const SubPixel sub_pixel = options_.sub_pixel;
+    HWY_ALIGN Disparity last[hn::MaxLanes(I32())];
+    for (int x = begin; x < width_; x += lanes) {
+      hn::Vec<U32> winner, neighbours;
+      LoadInterleaved2(U32(), &pixels_[x].winner, winner, neighbours);
+      const auto c = BitCast(i32, hn::ShiftRight<16>(winner));
+      const auto index = And(BitCast(i32, winner), low);
+      const auto l = And(BitCast(i32, neighbours), low);
+      const auto r = And(BitCast(i32, hn::ShiftRight<16>(neighbours)), no_cost);
+      const auto inside = And(Ne(l, no_cost), Ne(r, no_cost));
+      auto divisor = Zero(i32);
+      if (sub_pixel == SubPixel::kSymmetricV) divisor = Sub(Max(l, r), c);
+      if (sub_pixel == SubPixel::kParabola) divisor = Sub(Add(l, r), Add(c, c));
+      const auto refined = And(inside, Gt(divisor, Zero(i32)));
+      const auto m = ConvertTo(f32, IfThenElse(refined, Add(divisor, divisor), one));
+      const auto n = ConvertTo(f32, IfThenElseZero(refined, Sub(l, r)));
+      const auto whole_steps = Round(Div(Mul(n, steps), m));
+      const auto fraction = ConvertTo(i32, Div(Mul(whole_steps, scale), steps));
+      const auto whole = hn::ShiftLeft<6>(Add(index, min_disparity));
+      static_assert(kDisparityScale == 1 << 6);
+      auto found = Add(whole, fraction);
+      const auto reject = [&](auto mask) HWY_ATTR {
+        found = IfThenElse(mask, Set(i32, int{kNoMatch}), found);
+      };
+      if (check_unique) reject(Lt(BitCast(i32, neighbours), Zero(i32)));  // kAmbiguous
+      if (strict) reject(Not(And(inside, And(Gt(l, c), Gt(r, c)))));
+      if (check_back) {
+        // Behind the end of the row lies nothing of use, but an index all the same.
+        const auto column = Sub(Sub(Iota(i32, x), min_disparity), index);
+        const auto safe = Min(Max(column, Zero(i32)), Set(i32, width_ - 1));
+        const auto owner = hn::GatherIndex(i32, reinterpret_cast<const int*>(owner_), safe);
+        reject(Gt(Abs(Sub(And(owner, low), index)), tolerance));
+      }
+      const auto narrow = DemoteTo(u16, found);
+      if (x + lanes <= width_) {
+        StoreU(narrow, u16, out + x);
+      } else {
+        Store(narrow, u16, last);
+        std::copy(last, last + (width_ - x), out + x);
+      }
     }
   }
 
@@ -444,13 +551,13 @@ class Band {
   std::uint32_t* left_out_ = nullptr;
   std::uint8_t* right_in_ = nullptr;  // reversed
   std::uint8_t* right_out_ = nullptr;
-  Column* sums_ = nullptr;         // [column][disparity]
-  std::int16_t* ring_ = nullptr;   // [column mod window width][disparity], widened
-  std::int16_t* costs_ = nullptr;  // of the pixel at hand, by cost_place
-  std::int16_t* lane_ = nullptr;   // disparity index by place
-  std::int16_t* place_ = nullptr;  // place by disparity index + 1
-  RowResult row_{};
-  std::uint32_t* chosen_ = nullptr;  // by column of the other image: cost and index
+  Column* sums_ = nullptr;          // [column][disparity]
+  std::int16_t* ring_ = nullptr;    // [column mod window width][disparity], widened
+  std::int16_t* costs_ = nullptr;   // of the pixel at hand, by cost_place
+  std::int16_t* lane_ = nullptr;    // disparity index by place
+  std::int16_t* place_ = nullptr;   // place by disparity index + 1
+  PixelResult* pixels_ = nullptr;   // of the row
+  std::uint32_t* owner_ = nullptr;  // by column of the other image: cost and index
 };
 
 void match_rows_here(const SadImages& images, const SadOptions& options, int first, int last,
