@@ -28,6 +28,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using U8 = hn::ScalableTag<std::uint8_t>;
 using I8 = hn::RebindToSigned<U8>;
 using I16 = hn::ScalableTag<std::int16_t>;
+using U16 = hn::ScalableTag<std::uint16_t>;
 using U32 = hn::ScalableTag<std::uint32_t>;
 using I32 = hn::ScalableTag<std::int32_t>;
 using F32 = hn::ScalableTag<float>;
@@ -36,7 +37,9 @@ using Words = hn::Vec<I16>;
 
 constexpr int kLanes = static_cast<int>(hn::MaxLanes(U8()));  // disparities of a vector of bytes
 constexpr int kMaxVectors = 1024 / kLanes;                    // kMaxDisparity of them
-constexpr std::int16_t kNoCost = 0x7FFF;                      // above every sum
+constexpr int kBlock = 16;                // pixels scanned before the results are looked at
+constexpr int kCostGuard = 32;            // behind each pixel's costs: a vector's alignment
+constexpr std::int16_t kNoCost = 0x7FFF;  // above every sum
 
 // Where the cost of disparity index d lies: each block of sixteen bytes widens to a block of the
 // vector `lower` and one of the vector `upper`.
@@ -145,7 +148,13 @@ class Band {
     std::memset(memory.row(0), 0, needed);
     for (int d = 0; d < range_; ++d) place_[d + 1] = static_cast<std::int16_t>(cost_place(d));
     place_[0] = place_[range_ + 1] = static_cast<std::int16_t>(padded_);
-    std::fill(costs_ + padded_, costs_ + padded_ + 8, kNoCost);
+    for (int i = 1; i <= kBlock; ++i) {
+      std::int16_t* end = costs_ + static_cast<std::ptrdiff_t>(i) * (padded_ + kCostGuard);
+      std::fill(end - kCostGuard, end, kNoCost);
+    }
+    margin_factor_ = uniqueness_factor(options.uniqueness_percent);
+    wide_margin_ =
+        margin_factor_ == 0 ? ~0U : (255U * 65536U + margin_factor_ - 1U) / margin_factor_;
     for (int d = 0; d < padded_; ++d) lane_[cost_place(d)] = static_cast<std::int16_t>(d);
   }
 
@@ -181,7 +190,7 @@ class Band {
     left_out_ = take<std::uint32_t>(base, columns);
     right_in_ = take<std::uint8_t>(base, columns + padded);
     right_out_ = take<std::uint8_t>(base, columns + padded);
-    costs_ = take<std::int16_t>(base, padded + 8);
+    costs_ = take<std::int16_t>(base, kBlock * (padded + kCostGuard));
     lane_ = take<std::int16_t>(base, padded);
     place_ = take<std::int16_t>(base, static_cast<std::size_t>(range_) + 2);
     pixels_ = take<PixelResult>(base, width + kLanes);
@@ -263,30 +272,26 @@ class Band {
     }
   }
 
-  // Where the next column of the row at hand lies; all that the inner loop reads and writes.
+  // Where the next column of the row at hand lies: all that the inner loop reads and writes.
   struct Cursor {
-    const std::uint32_t* left_in;
-    const std::uint32_t* left_out;
-    const std::uint8_t* right_in;
-    const std::uint8_t* right_out;
+    const std::uint32_t* left;  // of the row that enters the window
+    std::ptrdiff_t left_out;    // elements from there to the row that leaves
+    const std::uint8_t* right;
+    std::ptrdiff_t right_out;
     Column* sum;
     std::int16_t* ring;  // narrow: the column that leaves, widened
     std::int16_t* ring_begin;
     std::int16_t* ring_end;
     std::ptrdiff_t window;  // elements from a column to the one that leaves with it
-    std::int16_t* costs;
-    const std::int16_t* lane;
-    const std::int16_t* place;
-    std::uint64_t uniqueness;  // per cent / 100, 32 bits behind the point, rounded up
   };
 
   // Moves the window one column to the right.
   static HWY_INLINE void slide(Cursor& at, int vectors, Words* cost) {
-    const Bytes in = spread(*at.left_in++), out = spread(*at.left_out++);
+    const Bytes in = spread(*at.left), out = spread(at.left[at.left_out]);
     for (int i = 0; i < vectors; ++i) {
       const int d = i * kLanes, upper_d = d + kLanes / 2;
-      const Bytes added = difference(in, at.right_in + d);
-      const Bytes taken = difference(out, at.right_out + d);
+      const Bytes added = difference(in, at.right + d);
+      const Bytes taken = difference(out, at.right + at.right_out + d);
       if constexpr (kNarrow) {
         const Bytes now = Sub(Add(Load(U8(), at.sum + d), added), taken);
         Store(now, U8(), at.sum + d);
@@ -307,8 +312,8 @@ class Band {
         cost[2 * i + 1] = Add(cost[2 * i + 1], Sub(upper, Load(I16(), old + upper_d)));
       }
     }
-    --at.right_in;
-    --at.right_out;
+    ++at.left;
+    --at.right;
     at.sum += vectors * kLanes;
     if constexpr (kNarrow) {
       at.ring += vectors * kLanes;
@@ -316,34 +321,37 @@ class Band {
     }
   }
 
-  // The winner of a pixel among the first `fit` disparities. Masked: not all lanes count. kBits:
-  // all lanes fit one word of bits.
+  // What one look at the costs of a pixel finds.
+  struct Scan {
+    std::uint64_t equal;  // kBits: lanes that cost the least; else the first of them
+    std::uint64_t close;  // kBits: lanes nearly as cheap; else how many there are
+    std::uint32_t least;  // in the low half
+  };
+
+  // Scans the costs of a pixel, of which the first `fit` disparities count (kMasked: not all), and
+  // leaves them in `costs`. kBits: all lanes fit one word of bits.
   template <bool kMasked, bool kBits>
-  static HWY_INLINE PixelResult decide(const Cursor& at, int fit, int vectors,
-                                       const Words* window) {
+  HWY_INLINE void scan(int fit, int vectors, const Words* window, std::int16_t* costs,
+                       Scan& found) const {
     Words cost[2 * kMaxVectors];
     for (int i = 0; i < 2 * vectors; ++i) {
       cost[i] = window[i];
       if constexpr (kMasked) {
-        const Words lane = Load(I16(), at.lane + i * kLanes / 2);
+        const Words lane = Load(I16(), lane_ + i * kLanes / 2);
         cost[i] = IfThenElse(Lt(lane, Set(I16(), static_cast<std::int16_t>(fit))), cost[i],
                              Set(I16(), kNoCost));
       }
-      Store(cost[i], I16(), at.costs + i * kLanes / 2);
+      Store(cost[i], I16(), costs + i * kLanes / 2);
     }
     Words least_lanes = Min(cost[0], cost[1]);
     for (int i = 2; i < 2 * vectors; ++i) least_lanes = Min(least_lanes, cost[i]);
     const auto least_lane = least_of(I16(), least_lanes);
-    const auto least = static_cast<std::uint32_t>(GetLane(least_lane));
-    const auto margin = static_cast<std::uint32_t>(least * at.uniqueness >> 32);
-
-    const Words least_cost = spread_word(least_lane);
-    const Bytes limit = Set(U8(), static_cast<std::uint8_t>(margin));
+    const Words least = spread_word(least_lane);
+    const auto margin = MulHigh(BitCast(U16(), least), Set(U16(), margin_factor_));
+    const Bytes limit = narrow(BitCast(I16(), margin), BitCast(I16(), margin));
     std::uint64_t equal = 0, close = 0;
-    std::uint32_t index = 0;
-    std::size_t close_count = 0;
     for (int i = vectors - 1; i >= 0; --i) {
-      const Bytes excess = narrow(Sub(cost[2 * i], least_cost), Sub(cost[2 * i + 1], least_cost));
+      const Bytes excess = narrow(Sub(cost[2 * i], least), Sub(cost[2 * i + 1], least));
       const std::uint64_t equal_here = bits_of(Eq(excess, Zero(U8())));
       const std::uint64_t close_here = bits_at_most(excess, limit);
       if constexpr (kBits) {
@@ -351,85 +359,122 @@ class Band {
         close |= close_here << (i * kLanes);
       } else {
         if (equal_here != 0) {
-          index = static_cast<std::uint32_t>(i * kLanes) + lowest_bit(equal_here);
+          equal = static_cast<std::uint64_t>(i * kLanes) + lowest_bit(equal_here);
         }
-        close_count += hwy::PopCount(close_here);
+        close += hwy::PopCount(close_here);
       }
     }
-    if constexpr (kBits) index = lowest_bit(equal);
-    const auto before = static_cast<std::uint32_t>(at.costs[at.place[index]]);
-    const auto behind = static_cast<std::uint32_t>(at.costs[at.place[index + 2]]);
+    found.equal = equal;
+    found.close = close;
+    found.least = static_cast<std::uint32_t>(GetLane(least_lane));
+  }
+
+  // The winner of a pixel from what the scan found.
+  template <bool kBits>
+  HWY_INLINE PixelResult settle(const Scan& found, int vectors, const std::int16_t* costs) const {
+    const std::uint32_t least = found.least;
+    const std::uint32_t index =
+        kBits ? lowest_bit(found.equal) : static_cast<std::uint32_t>(found.equal);
+    const auto before = static_cast<std::uint32_t>(costs[place_[index]]);
+    const auto behind = static_cast<std::uint32_t>(costs[place_[index + 2]]);
     bool ambiguous = false;
-    if (HWY_UNLIKELY(margin >= 255)) {
-      ambiguous = close_by_words(at.costs, vectors, least + margin) !=
-                  own_count(least + margin, before, behind);
+    if (HWY_UNLIKELY(least >= wide_margin_)) {
+      ambiguous = ambiguous_by_words(costs, vectors, least, before, behind);
     } else if constexpr (kBits) {
-      const std::uint64_t best = equal & (~equal + 1);
-      ambiguous = (close & ~(best | best << 1 | best >> 1)) != 0;
+      const std::uint64_t best = found.equal & (~found.equal + 1);
+      ambiguous = (found.close & ~(best | best << 1 | best >> 1)) != 0;
     } else {
-      ambiguous = close_count != own_count(least + margin, before, behind);
+      ambiguous = found.close != own_count(limit_of(least), before, behind);
     }
     return {least << 16 | index, before | behind << 16 | (ambiguous ? kAmbiguous : 0U)};
   }
 
+  [[nodiscard]] std::uint32_t limit_of(std::uint32_t least) const {
+    return least + (least * margin_factor_ >> 16);
+  }
+
   // How many of the winner and its neighbours cost at most `limit`.
-  static HWY_INLINE std::size_t own_count(std::uint32_t limit, std::uint32_t before,
-                                          std::uint32_t behind) {
+  static HWY_INLINE std::uint64_t own_count(std::uint32_t limit, std::uint32_t before,
+                                            std::uint32_t behind) {
     return 1U + (before <= limit ? 1U : 0U) + (behind <= limit ? 1U : 0U);
   }
 
-  // How many cost at most `limit`, where that is more than a byte above the least.
-  static HWY_NOINLINE std::size_t close_by_words(const std::int16_t* costs, int vectors,
-                                                 std::uint32_t limit) {
-    const auto top = static_cast<std::int16_t>(std::min<std::uint32_t>(limit, kNoCost - 1));
-    std::size_t count = 0;
+  // As the scan, where the margin is more than a byte holds.
+  HWY_NOINLINE bool ambiguous_by_words(const std::int16_t* costs, int vectors, std::uint32_t least,
+                                       std::uint32_t before, std::uint32_t behind) const {
+    const std::uint32_t limit = limit_of(least);
+    const Words top =
+        Set(I16(), static_cast<std::int16_t>(std::min<std::uint32_t>(limit, kNoCost - 1)));
+    std::uint64_t count = 0;
     for (int i = 0; i < 2 * vectors; ++i) {
       const Words cost = Load(I16(), costs + i * kLanes / 2);
-      count += CountTrue(I16(), Eq(Min(cost, Set(I16(), top)), cost));
+      count += CountTrue(I16(), Eq(Min(cost, top), cost));
     }
-    return count;
+    return count != own_count(limit, before, behind);
+  }
+
+  // A pixel of the other image belongs to the cheapest of those that chose it, of equal ones to the
+  // one with the smaller disparity. `zero` is the one at no disparity.
+  static HWY_INLINE void claim(std::uint32_t* zero, std::uint32_t winner) {
+    std::uint32_t& owner = *(zero - (winner & kIndexMask));
+    // The lesser of both. A compiler that sees a minimum moves both through vector registers.
+    const std::int64_t less = std::int64_t{winner} - std::int64_t{owner};
+    owner += static_cast<std::uint32_t>(less & (less >> 63));
+  }
+
+  // Pixels first to last - 1, in short blocks: first the scans, each a long chain of dependent
+  // instructions, then what hangs on their results.
+  template <bool kMasked, int kVectors>
+  HWY_INLINE void match_pixels(Cursor& at, int first, int last, Words* cost) {
+    const int vectors = kVectors > 0 ? kVectors : vectors_;
+    constexpr bool kBits = kVectors > 0 && kVectors * kLanes <= 64;
+    const std::ptrdiff_t stride = vectors * kLanes + kCostGuard;
+    std::uint32_t* owner = owner_ - options_.min_disparity_px;
+    Scan scans[kBlock];
+    for (int begin = first; begin < last; begin += kBlock) {
+      const int count = std::min(kBlock, last - begin);
+      std::int16_t* costs = costs_;
+      for (int i = 0; i < count; ++i, costs += stride) {
+        slide(at, vectors, cost);
+        const int fit = kMasked ? std::min(range_, begin + i - options_.min_disparity_px + 1) : 0;
+        scan<kMasked, kBits>(fit, vectors, cost, costs, scans[i]);
+      }
+      costs = costs_;
+      for (int i = 0; i < count; ++i, costs += stride) {
+        const PixelResult result = settle<kBits>(scans[i], vectors, costs);
+        pixels_[begin + i] = result;
+        claim(owner + begin + i, result.winner);
+      }
+    }
   }
 
   template <int kVectors>
   HWY_NOINLINE void match_columns_of() {
     const int vectors = kVectors > 0 ? kVectors : vectors_;
-    constexpr bool kBits = kVectors * kLanes <= 64 && kVectors > 0;
     Words cost[2 * (kVectors > 0 ? kVectors : kMaxVectors)];
     for (int i = 0; i < 2 * vectors; ++i) cost[i] = Zero(I16());
     const std::ptrdiff_t window = static_cast<std::ptrdiff_t>(options_.window_width_px) * padded_;
     if constexpr (kNarrow) std::memset(ring_, 0, static_cast<std::size_t>(window) * 2);
-    const auto percent = static_cast<std::uint64_t>(options_.uniqueness_percent);
+    std::fill(owner_, owner_ + width_, ~std::uint32_t{0});
     Cursor at{left_in_,
-              left_out_,
+              left_out_ - left_in_,
               right_in_ + columns_ - 1,
-              right_out_ + columns_ - 1,
+              right_out_ - right_in_,
               column(0),
               ring_,
               ring_,
               ring_ + window,
-              window,
-              costs_,
-              lane_,
-              place_,
-              ((percent << 32) + 99) / 100};
+              window};
     const int begin = first_pixel();
-    const int width = width_, range = range_;
     // From here on the whole range fits the image and the vectors.
-    const int full =
-        padded_ == range ? std::clamp(options_.min_disparity_px + range - 1, begin, width) : width;
-    PixelResult* pixels = pixels_;
+    const int full = padded_ == range_
+                         ? std::clamp(options_.min_disparity_px + range_ - 1, begin, width_)
+                         : width_;
     for (int c = std::min(options_.window_width_px - 1 + begin, columns_); c > 0; --c) {
       slide(at, vectors, cost);
     }
-    for (int x = begin; x < full; ++x) {
-      slide(at, vectors, cost);
-      const int fit = std::min(range, x - options_.min_disparity_px + 1);
-      pixels[x] = decide<true, kBits>(at, fit, vectors, cost);
-    }
-    for (int x = full; x < width; ++x) {
-      slide(at, vectors, cost);
-      pixels[x] = decide<false, kBits>(at, range, vectors, cost);
-    }
+    match_pixels<true, kVectors>(at, begin, full, cost);
+    match_pixels<false, kVectors>(at, full, width_, cost);
   }
 
   void match_columns() {
@@ -454,26 +499,8 @@ class Band {
   void finish_row(Disparity* out) const {
     const int begin = first_pixel();
     std::fill(out, out + begin, kNoMatch);
-    if (options_.left_right_tolerance_px >= 0) choose_owners(begin);
     refine(begin, out);
     if (images_.mirrored) std::reverse(out, out + width_);
-  }
-
-  // A pixel of the other image belongs to the cheapest of those that chose it, of equal ones to the
-  // one with the smaller disparity.
-  void choose_owners(int begin) const {
-    const int size = width_ - options_.min_disparity_px;
-    std::uint32_t* owner = owner_;
-    std::fill(owner, owner + std::max(size, 0), ~std::uint32_t{0});
-    const PixelResult* pixels = pixels_;
-    owner -= options_.min_disparity_px;
-    for (int x = begin; x < width_; ++x) {
-      const std::uint32_t winner = pixels[x].winner;
-      std::uint32_t& o = owner[x - static_cast<int>(winner & kIndexMask)];
-      // The lesser of both. A compiler that sees a minimum moves both through vector registers.
-      const std::int64_t less = std::int64_t{winner} - std::int64_t{o};
-      o += static_cast<std::uint32_t>(less & (less >> 63));
-    }
   }
 
   // The disparities below the pixel: n / m of a step, rounded to the nearest, half to even. Both
@@ -491,11 +518,13 @@ class Band {
     const auto scale = Set(f32, static_cast<float>(kDisparityScale));
     const auto min_disparity = Set(i32, options_.min_disparity_px);
     const auto tolerance = Set(i32, options_.left_right_tolerance_px);
+    const auto last_column = Set(i32, width_ - 1);
     const bool strict = options_.strict_sub_pixel;
     const bool check_unique = options_.uniqueness_percent > 0;
     const bool check_back = options_.left_right_tolerance_px >= 0;
     const SubPixel sub_pixel = options_.sub_pixel;
     HWY_ALIGN Disparity last[hn::MaxLanes(I32())];
+    auto zero = Sub(Iota(i32, begin), min_disparity);  // the column at no disparity
     for (int x = begin; x < width_; x += lanes) {
       hn::Vec<U32> winner, neighbours;
       LoadInterleaved2(U32(), &pixels_[x].winner, winner, neighbours);
@@ -522,11 +551,11 @@ class Band {
       if (strict) reject(Not(And(inside, And(Gt(l, c), Gt(r, c)))));
       if (check_back) {
         // Behind the end of the row lies nothing of use, but an index all the same.
-        const auto column = Sub(Sub(Iota(i32, x), min_disparity), index);
-        const auto safe = Min(Max(column, Zero(i32)), Set(i32, width_ - 1));
+        const auto safe = Min(Max(Sub(zero, index), Zero(i32)), last_column);
         const auto owner = hn::GatherIndex(i32, reinterpret_cast<const int*>(owner_), safe);
         reject(Gt(Abs(Sub(And(owner, low), index)), tolerance));
       }
+      zero = Add(zero, Set(i32, lanes));
       const auto narrow = DemoteTo(u16, found);
       if (x + lanes <= width_) {
         StoreU(narrow, u16, out + x);
@@ -551,9 +580,11 @@ class Band {
   std::uint32_t* left_out_ = nullptr;
   std::uint8_t* right_in_ = nullptr;  // reversed
   std::uint8_t* right_out_ = nullptr;
-  Column* sums_ = nullptr;          // [column][disparity]
-  std::int16_t* ring_ = nullptr;    // [column mod window width][disparity], widened
-  std::int16_t* costs_ = nullptr;   // of the pixel at hand, by cost_place
+  Column* sums_ = nullptr;         // [column][disparity]
+  std::int16_t* ring_ = nullptr;   // [column mod window width][disparity], widened
+  std::int16_t* costs_ = nullptr;  // of the block's pixels, by cost_place, kNoCost behind them
+  std::uint16_t margin_factor_ = 0;
+  std::uint32_t wide_margin_ = 0;   // the least cost whose margin does not fit a byte
   std::int16_t* lane_ = nullptr;    // disparity index by place
   std::int16_t* place_ = nullptr;   // place by disparity index + 1
   PixelResult* pixels_ = nullptr;   // of the row

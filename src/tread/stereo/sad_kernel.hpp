@@ -27,6 +27,11 @@ struct SadImages {
 // The largest sum that the kernel's 16 bits hold; match_rows_plain takes larger windows.
 inline constexpr int kLargestKernelSum = 32766;
 
+// How much dearer than the least cost c another may be and still be ambiguous: c * factor >> 16.
+[[nodiscard]] constexpr std::uint16_t uniqueness_factor(int percent) {
+  return static_cast<std::uint16_t>(percent * 65535 / 100);
+}
+
 // Rows first to last - 1 of `disparity`, which has the size of the images. `memory` is the
 // caller's to keep: one for each thread.
 void match_rows(const SadImages& images, const SadOptions& options, int first, int last,

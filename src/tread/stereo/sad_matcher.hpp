@@ -44,7 +44,7 @@ struct SadOptions {
   // dearer: nothing says that it is a minimum.
   bool strict_sub_pixel = true;
   // No match unless every disparity but the best and its neighbours costs more than the best by
-  // this many per cent. 0: not checked.
+  // this many per cent, cut to 1/65536. 0: not checked.
   int uniqueness_percent = 20;
   // No match where the edge image varies less over the window, grey levels a pixel. 0: not checked.
   double min_texture = 0.0;

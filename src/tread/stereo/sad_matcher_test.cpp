@@ -100,10 +100,11 @@ class Oracle {
     if (!best) return kNoMatch;
     const int d0 = *best;
     const double c = static_cast<double>(*cost(x, y, d0));
+    const double margin = std::floor(655.35 * o_.uniqueness_percent) / 65536.0;
     for (int d = o_.min_disparity_px; d < o_.min_disparity_px + o_.num_disparities; ++d) {
       const auto other = cost(x, y, d);
       if (o_.uniqueness_percent > 0 && std::abs(d - d0) > 1 && other &&
-          static_cast<double>(*other) * 100 <= c * (100 + o_.uniqueness_percent)) {
+          static_cast<double>(*other) <= c + std::floor(c * margin)) {
         return kNoMatch;
       }
     }

@@ -94,8 +94,8 @@ class PlainBand {
 
   [[nodiscard]] bool unique(Winner winner, int fit) const {
     if (options_.uniqueness_percent <= 0) return true;
-    const int margin =
-        static_cast<int>(std::int64_t{winner.cost} * options_.uniqueness_percent / 100);
+    const std::int64_t factor = uniqueness_factor(options_.uniqueness_percent);
+    const int margin = static_cast<int>(winner.cost * factor >> 16);
     for (int d = 0; d < fit; ++d) {
       if (std::abs(d - winner.index) <= 1) continue;
       if (costs_[static_cast<std::size_t>(d)] <= winner.cost + margin) return false;
