@@ -1,6 +1,7 @@
 #include "tread/stereo/filter_kernel.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tread/stereo/filter_kernel.cpp"
@@ -118,6 +119,58 @@ void fill_row_here(const Disparity* above, const Disparity* here, const Disparit
   }
 }
 
+// One bit a lane, beginning at bit 0.
+template <class D, class M>
+HWY_INLINE std::uint64_t bits_of(D d, M mask) {
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(d, mask, bytes);
+  std::uint64_t bits = 0;
+  std::memcpy(&bits, bytes, sizeof(bits));
+  return bits;
+}
+
+void link_row_here(const Disparity* above, const Disparity* here, int width, int limit,
+                   std::uint64_t* known, std::uint64_t* joined_left, std::uint64_t* joined_above) {
+  const U16 u16;
+  const int lanes = static_cast<int>(hn::Lanes(u16));
+  const auto hole = hn::Set(u16, kNoMatch);
+  const auto most = hn::Set(u16, static_cast<std::uint16_t>(limit));
+  const auto near = [&](auto a, auto b) HWY_ATTR {
+    const auto difference = hn::Sub(hn::Max(a, b), hn::Min(a, b));
+    return hn::AndNot(
+        hn::Or(hn::VecFromMask(u16, hn::Eq(a, hole)), hn::VecFromMask(u16, hn::Eq(b, hole))),
+        hn::VecFromMask(u16, hn::Eq(hn::Min(difference, most), difference)));
+  };
+  // The ends of the row, with holes around them.
+  HWY_ALIGN Disparity here_padded[1 + 64], above_padded[64];
+  for (int first = 0; first < width; first += 64) {
+    const int count = std::min(64, width - first);
+    const Disparity* from = here + first;
+    const Disparity* up = above == nullptr ? nullptr : above + first;
+    if (first == 0 || count < 64) {
+      here_padded[0] = first > 0 ? here[first - 1] : kNoMatch;
+      std::fill(std::copy(from, from + count, here_padded + 1), here_padded + 65, kNoMatch);
+      from = here_padded + 1;
+    }
+    if (up != nullptr && count < 64) {
+      std::fill(std::copy(up, up + count, above_padded), above_padded + 64, kNoMatch);
+      up = above_padded;
+    }
+    std::uint64_t k = 0, l = 0, a = 0;
+    for (int x = 0; x < 64; x += lanes) {
+      const auto now = hn::LoadU(u16, from + x);
+      k |= bits_of(u16, hn::Ne(now, hole)) << x;
+      l |= bits_of(u16, hn::MaskFromVec(near(hn::LoadU(u16, from + x - 1), now))) << x;
+      if (up != nullptr) {
+        a |= bits_of(u16, hn::MaskFromVec(near(hn::LoadU(u16, up + x), now))) << x;
+      }
+    }
+    known[first / 64] = k;
+    joined_left[first / 64] = l;
+    joined_above[first / 64] = a;
+  }
+}
+
 }  // namespace
 }  // namespace tread::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -126,6 +179,7 @@ HWY_AFTER_NAMESPACE();
 namespace tread {
 HWY_EXPORT(gradient_row_here);
 HWY_EXPORT(fill_row_here);
+HWY_EXPORT(link_row_here);
 
 void gradient_row(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below,
                   int width, int limit, std::uint8_t* out) {
@@ -135,6 +189,11 @@ void gradient_row(const std::uint8_t* above, const std::uint8_t* here, const std
 void fill_row(const Disparity* above, const Disparity* here, const Disparity* below, int width,
               const Disparity* previous, bool spatial, Disparity* out) {
   HWY_DYNAMIC_DISPATCH(fill_row_here)(above, here, below, width, previous, spatial, out);
+}
+
+void link_row(const Disparity* above, const Disparity* here, int width, int limit,
+              std::uint64_t* known, std::uint64_t* joined_left, std::uint64_t* joined_above) {
+  HWY_DYNAMIC_DISPATCH(link_row_here)(above, here, width, limit, known, joined_left, joined_above);
 }
 }  // namespace tread
 #endif

@@ -19,4 +19,10 @@ void gradient_row(const std::uint8_t* above, const std::uint8_t* here, const std
 void fill_row(const Disparity* above, const Disparity* here, const Disparity* below, int width,
               const Disparity* previous, bool spatial, Disparity* out);
 
+// Bits of a row, bit x % 64 of word x / 64, for (width + 63) / 64 words each: whether pixel x is
+// known; is known, as its left neighbour is, and differs from it by at most `limit`; the same for
+// the pixel above (`above` null: none).
+void link_row(const Disparity* above, const Disparity* here, int width, int limit,
+              std::uint64_t* known, std::uint64_t* joined_left, std::uint64_t* joined_above);
+
 }  // namespace tread

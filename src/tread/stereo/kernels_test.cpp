@@ -227,5 +227,38 @@ TEST(FillRow, TakesThePreviousThenTheFifthOfNineOnEveryInstructionSet) {
   });
 }
 
+TEST(LinkRow, EqualsItsDefinitionOnEveryInstructionSet) {
+  on_every_target([] {
+    for (int width : {1, 2, 63, 64, 65, 127, 128, 200}) {
+      for (int limit : {0, 32, 4096}) {
+        std::mt19937 random(static_cast<unsigned>(width + limit));
+        std::array<std::vector<Disparity>, 2> rows;
+        for (auto& row : rows) {
+          row.resize(static_cast<std::size_t>(width));
+          for (auto& d : row) {
+            d = random() % 4 == 0 ? kNoMatch : static_cast<Disparity>(65400 + random() % 72);
+          }
+        }
+        const auto near = [limit](int a, int b) {
+          return a != kNoMatch && b != kNoMatch && std::abs(a - b) <= limit;
+        };
+        for (const bool with_above : {false, true}) {
+          const std::size_t words = (static_cast<std::size_t>(width) + 63) / 64;
+          std::vector<std::uint64_t> known(words, ~0ULL), left(words, ~0ULL), above(words, ~0ULL);
+          link_row(with_above ? rows[0].data() : nullptr, rows[1].data(), width, limit,
+                   known.data(), left.data(), above.data());
+          for (std::size_t x = 0; x < words * 64; ++x) {
+            const bool inside = x < rows[1].size();
+            const auto bit = [x](const auto& bits) { return (bits[x / 64] >> (x % 64) & 1U) != 0; };
+            ASSERT_EQ(bit(known), inside && rows[1][x] != kNoMatch) << width << " " << x;
+            ASSERT_EQ(bit(left), inside && x > 0 && near(rows[1][x - 1], rows[1][x]));
+            ASSERT_EQ(bit(above), inside && with_above && near(rows[0][x], rows[1][x]));
+          }
+        }
+      }
+    }
+  });
+}
+
 }  // namespace
 }  // namespace tread

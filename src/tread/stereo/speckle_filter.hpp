@@ -3,6 +3,7 @@
 // that have at most max_size pixels become "no match".
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "tread/core/options.hpp"
@@ -19,7 +20,8 @@ struct SpeckleOptions {
 [[nodiscard]] OptionSet describe(SpeckleOptions& options);
 
 // By runs: each row is cut into runs of joined pixels, and runs that touch in neighbouring rows are
-// united (union-find). One pass down, one to erase.
+// united (union-find). What is joined is found for many pixels at once and kept as bits; after that
+// the work is by runs. Bands of rows are worked on apart and then sewn together.
 class SpeckleFilter {
  public:
   void apply(Image<Disparity>& disparity, const SpeckleOptions& options,
@@ -27,13 +29,22 @@ class SpeckleFilter {
 
  private:
   struct Run {
-    int first = 0;   // column
-    int last = 0;    // one behind
-    int parent = 0;  // index of a run of the same patch, itself at the root
-    int size = 0;    // pixels of the patch, at the root
+    int first;  // column
+    int last;   // one behind
   };
-  std::vector<Run> runs_;
-  std::vector<int> row_begin_;  // index of the first run of each row, and one more
+  struct Band {
+    std::vector<Run> runs;
+    std::vector<int> parent;     // by run: a run of the same patch, itself or one before it
+    std::vector<int> row_begin;  // index of the first run of each row, and one more
+    std::vector<std::uint64_t> bits;
+    int offset = 0;  // of its runs among all
+  };
+  void cut(ImageView<const Disparity> disparity, int first, int last, int limit, Band& band);
+  void sew(ImageView<const Disparity> disparity, int rows, int limit);
+
+  std::vector<Band> bands_;
+  std::vector<int> parent_;  // of all runs
+  std::vector<int> size_;    // pixels of the patch, by its first run
 };
 
 }  // namespace tread
