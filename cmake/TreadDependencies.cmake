@@ -1,4 +1,5 @@
-# Every library that tread stands on. Used by the build and by the installed package alike.
+# Every library that tread stands on, and no other: used by the build and by the installed package
+# alike. What only programs and benchmarks need, they look for themselves.
 include(CMakeFindDependencyMacro)
 find_dependency(Eigen3 3.4)
 find_dependency(tl-expected)
@@ -8,7 +9,7 @@ find_dependency(hwy)
 find_dependency(yaml-cpp)
 find_dependency(TIFF)
 find_dependency(GeoTIFF)
-find_dependency(OpenCVModules)
+find_dependency(OpenCVModules COMPONENTS core imgcodecs)
 
 # yaml-cpp 0.7 exports a target without a name space and, on Debian, without its include folder.
 if(TARGET yaml-cpp AND NOT TARGET yaml-cpp::yaml-cpp)

@@ -42,6 +42,8 @@ int main(int argc, char** argv) {
   if (plan.status != tread::PlanStatus::kFound) std::cout << plan.reason << '\n';
   for (const Eigen::Vector2d& p : plan.waypoints) std::cout << p.x() << " " << p.y() << '\n';
 
-  const tread::Status saved = tread::save_map(mapper->layers(), "map");
+  const auto layers = mapper->layers();
+  if (!layers) return complain(layers.error());
+  const tread::Status saved = tread::save_map(*layers, "map");
   return saved ? 0 : complain(saved.error());
 }

@@ -115,6 +115,15 @@ TEST(Layers, HeavyLibrariesStayBehindTheirModuleAndOutOfHeaders) {
   }
 }
 
+// All headers of src/tread are installed.
+TEST(Layers, NoHeaderIsOfTests) {
+  for (const Include& include : all_includes()) {
+    if (include.file.extension() != ".hpp") continue;
+    EXPECT_EQ(include.file.filename().string().find("test"), std::string::npos) << include.file;
+    EXPECT_FALSE(include.target.starts_with("gtest/")) << include.file;
+  }
+}
+
 TEST(Layers, NoIncludeCycles) {
   std::map<std::string, std::vector<std::string>> edges;
   const fs::path root = fs::path(TREAD_SOURCE_DIR) / "src";

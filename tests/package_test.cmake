@@ -12,6 +12,16 @@ run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${BUILD}/package_test/prefix)
 run(${CMAKE_COMMAND} -S ${SOURCE}/tests/package -B ${BUILD}/package_test/build
     -DCMAKE_PREFIX_PATH=${BUILD}/package_test/prefix -DCMAKE_CXX_COMPILER=${COMPILER}
     -DCMAKE_CXX_FLAGS=${FLAGS})
+# Nothing may be asked of a user that the library does not link, and no header of a test be installed.
+file(STRINGS ${BUILD}/package_test/build/CMakeCache.txt unneeded
+     REGEX "^OpenCVModules_(imgproc|calib3d)_LIBRARY")
+if(unneeded)
+  message(FATAL_ERROR "the package looks for what it does not use: ${unneeded}")
+endif()
+file(GLOB_RECURSE test_headers ${BUILD}/package_test/prefix/include/*test*.hpp)
+if(test_headers)
+  message(FATAL_ERROR "headers of tests are installed: ${test_headers}")
+endif()
 run(${CMAKE_COMMAND} --build ${BUILD}/package_test/build)
 run(${BUILD}/package_test/build/user)
 if(NOT output MATCHES "waypoints: 2")

@@ -5,6 +5,7 @@
 
 #include "command.hpp"
 #include "map_report.hpp"
+#include "tread/core/problems.hpp"
 #include "tread/io/atomic_file.hpp"
 #include "tread/io/image_file.hpp"
 #include "tread/io/map_files.hpp"
@@ -65,6 +66,11 @@ Status map_frames(StereoSource& source, RoverMapper& mapper, const Context& cont
       run.problems.push_back(mapped.error());
       continue;
     }
+    if (mapped->began_anew) {  // what was mapped before is not in the map
+      run.problems.push_back(*mapped->began_anew);
+      run.trajectory.clear();
+      run.positions.clear();
+    }
     run.trajectory.push_back({(*frame)->stamp_ns, *(*frame)->T_world_left});
     run.positions.push_back(mapped->pose.position);
     run.last_yaw_rad = mapped->pose.yaw_rad;
@@ -73,7 +79,12 @@ Status map_frames(StereoSource& source, RoverMapper& mapper, const Context& cont
   run.wall_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   if (!run.trajectory.empty()) return {};
-  if (!run.problems.empty()) return tl::unexpected<Error>(run.problems.front());
+  if (!run.problems.empty()) {
+    for (const Error& problem : distinct_problems(run.problems)) print_error(problem);
+    return fail(ErrorCode::kBadValue,
+                fmt::format("none of {} frames could be mapped", run.problems.size()), "map",
+                "Mend what is said above");
+  }
   return fail(ErrorCode::kNotFound, "there are no frames", "source", "Give a folder with images");
 }
 
@@ -165,6 +176,7 @@ int run_map(const MapArguments& arguments) {
     return print_error(s.error());
   }
   settings.plan.unexplored_cost = settings.map.cost.unexplored_cost;
+  if (Status s = check_options(settings); !s) return print_error(s.error());
   for (const std::vector<double>* place : {&arguments.start, &arguments.goal}) {
     for (double coordinate : *place) {
       if (std::isfinite(coordinate)) continue;
@@ -188,7 +200,9 @@ int run_map(const MapArguments& arguments) {
   if (Status s = map_frames(**source, *mapper, context, arguments.common, run); !s) {
     return print_error(s.error());
   }
-  run.layers = mapper->layers();
+  auto layers = mapper->layers();
+  if (!layers) return print_error(layers.error());
+  run.layers = std::move(*layers);
   run.layers.numbers["lethal_cost"] = settings.plan.lethal_cost;
   for (float e : run.layers.find("explored")->grid.values)
     run.explored_cells += e > 0.0F ? 1.0 : 0.0;
@@ -205,8 +219,8 @@ int run_map(const MapArguments& arguments) {
   }
   for (const Error& problem : run.problems) {
     output.values["problems"].push_back(problem.message());
-    print_error(problem);
   }
+  for (const Error& problem : distinct_problems(run.problems)) print_error(problem);
   output.print_json();
   // What could be mapped was; that not all could is not silent.
   return run.problems.empty() ? 0 : 1;

@@ -27,6 +27,11 @@ Result<Grid<float>> cost_of(const MapLayers& map, const std::string& where) {
                 "no layer 'cost', and none 'height' and 'derivative' to make it", where,
                 "Give a map that 'tread map' has written");
   }
+  if (!covers_ground({}, ground->resolution_m())) {
+    return fail(ErrorCode::kUnsupported,
+                fmt::format("its cells of {:g} m do not suit the cost map", ground->resolution_m()),
+                where, "Give a map with a layer 'cost'");
+  }
   CostMap cost({}, ground->resolution_m());
   cost.update(*ground, ground->take_changes());
   return cost.grid();

@@ -247,6 +247,30 @@ TEST(TreadMap, BadFramesAreNamedAndTheOthersMapped) {
   EXPECT_TRUE(load_map(scratch / "m"));
 }
 
+TEST(TreadMap, ABrokenPoseLosesOneFrameAndNotTheDrive) {
+  const ScratchFolder scratch;
+  const fs::path path = copy_of_drive(scratch);
+  auto poses = read_tum_trajectory(path / "poses.txt").value();
+  poses[2].pose.translation().x() = 1e7;
+  ASSERT_TRUE(write_tum_trajectory(path / "poses.txt", poses));
+  const Ran ran = tread("map " + path.string() + " --json -o " + (scratch / "m").string());
+  EXPECT_EQ(ran.status, 1);
+  EXPECT_NE(ran.err.find("frame 000002: its pose is 1e+07 m from"), std::string::npos) << ran.err;
+  EXPECT_EQ(ran.json()["frames_failed"], 1);
+  EXPECT_TRUE(load_map(scratch / "m"));
+}
+
+TEST(TreadMap, WhereNothingCouldBeMappedEveryKindOfProblemIsSaid) {
+  const ScratchFolder scratch;
+  const fs::path path = copy_of_drive(scratch);
+  auto poses = read_tum_trajectory(path / "poses.txt").value();
+  poses.resize(1);  // the first frame has a pose and no image, the others have no poses
+  ASSERT_TRUE(write_tum_trajectory(path / "poses.txt", poses));
+  fs::remove(path / "right/000000.png");
+  expect_refused("map " + path.string(),
+                 {"there is no right image", "it has no pose (and ", "more like it", "none of "});
+}
+
 TEST(TreadMap, WrongInputsAreNamed) {
   const ScratchFolder scratch;
   expect_refused("map " + (scratch / "nowhere").string(), {"nowhere"});

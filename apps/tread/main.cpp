@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <exception>
 #include <iostream>
+#include <new>
 
 #include "command.hpp"
 
@@ -20,7 +21,11 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error);
-  } catch (const std::exception& error) {  // out of memory, a full disk: say so, do not abort
+  } catch (const std::bad_alloc&) {
+    std::cerr << "tread: there is not enough memory. Use larger cells (local.resolution_m), a "
+                 "smaller map, or a machine with more.\n";
+    return 1;
+  } catch (const std::exception& error) {  // a full disk: say so, do not abort
     std::cerr << "tread: " << error.what() << '\n';
     return 1;
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
@@ -26,7 +27,18 @@ struct CellRect {
   Cell last;
   [[nodiscard]] int columns() const { return last.x - first.x; }
   [[nodiscard]] int rows() const { return last.y - first.y; }
-  [[nodiscard]] bool empty() const { return columns() <= 0 || rows() <= 0; }
+  [[nodiscard]] bool empty() const { return last.x <= first.x || last.y <= first.y; }
+  // Number of cells; wide, since the corners may be 2^31 cells apart.
+  [[nodiscard]] std::int64_t size() const {
+    return empty() ? 0 : (std::int64_t{last.x} - first.x) * (std::int64_t{last.y} - first.y);
+  }
+  // The smallest rectangle that holds both; an empty one counts for nothing.
+  [[nodiscard]] CellRect united(const CellRect& other) const {
+    if (empty()) return other;
+    if (other.empty()) return *this;
+    return {{std::min(first.x, other.first.x), std::min(first.y, other.first.y)},
+            {std::max(last.x, other.last.x), std::max(last.y, other.last.y)}};
+  }
   [[nodiscard]] bool contains(Cell c) const {
     return c.x >= first.x && c.x < last.x && c.y >= first.y && c.y < last.y;
   }

@@ -17,6 +17,18 @@ TEST(GridGeometry, CellsAndCentresAgree) {
   EXPECT_TRUE(geometry.contains({19, 9}));
 }
 
+TEST(CellRect, SizeIsExactBeyond32BitsAndEmptyOnesCountForNothing) {
+  const CellRect wide{{-2'000'000'000, -2}, {2'000'000'000, 3}};
+  EXPECT_EQ(wide.size(), 20'000'000'000);
+  EXPECT_FALSE(wide.empty());
+  EXPECT_EQ((CellRect{{3, 0}, {3, 9}}).size(), 0);
+  EXPECT_EQ((CellRect{{3, 0}, {1, -9}}).size(), 0);
+  const CellRect a{{0, 0}, {2, 3}}, b{{5, -4}, {6, 1}};
+  EXPECT_EQ(a.united(b), (CellRect{{0, -4}, {6, 3}}));
+  EXPECT_EQ(a.united({}), a);
+  EXPECT_EQ(CellRect{}.united(b), b);
+}
+
 TEST(FloorDiv, RoundsDown) {
   EXPECT_EQ(floor_div(-1, 64), -1);
   EXPECT_EQ(floor_div(-64, 64), -1);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <charconv>
 #include <cmath>
 #include <numeric>
@@ -193,6 +194,22 @@ void OptionSet::add_group(const std::string& name, OptionSet group) {
     field.name.insert(0, name + ".");
     fields_.push_back(std::move(field));
   }
+  for (OptionRule& rule : group.rules_) {
+    for (std::string& field : rule.names) field.insert(0, name + ".");
+    rules_.push_back(std::move(rule));
+  }
+}
+
+void OptionSet::require(std::vector<std::string> names, std::string must,
+                        std::function<bool()> holds) {
+  for ([[maybe_unused]] const std::string& name : names) assert(find(name) != nullptr);
+  rules_.push_back({std::move(names), std::move(must), std::move(holds)});
+}
+
+const OptionField* OptionSet::find(std::string_view name) const {
+  const auto found = std::find_if(fields_.begin(), fields_.end(),
+                                  [name](const OptionField& field) { return field.name == name; });
+  return found == fields_.end() ? nullptr : &*found;
 }
 
 Status OptionSet::set(std::string_view name, std::string_view text) {
@@ -216,6 +233,15 @@ Status OptionSet::check() const {
     if (field.in_range()) continue;
     return fail(ErrorCode::kBadValue, fmt::format("{} is out of range", field.print()), field.name,
                 fmt::format("Give {}", field.range));
+  }
+  for (const OptionRule& rule : rules_) {
+    if (rule.holds()) continue;
+    std::vector<std::string> values;
+    for (const std::string& name : rule.names) values.push_back(find(name)->print());
+    return fail(ErrorCode::kBadValue,
+                fmt::format("{}, but {}", fmt::join(values, " and "), rule.must),
+                fmt::format("{}", fmt::join(rule.names, ", ")),
+                rule.names.size() > 1 ? "Change one of them" : "Change it");
   }
   return {};
 }

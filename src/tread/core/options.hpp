@@ -25,6 +25,13 @@ struct OptionField {
   std::function<bool()> in_range;
 };
 
+// What must hold between fields, each of which may be in range on its own.
+struct OptionRule {
+  std::vector<std::string> names;  // paths of the fields
+  std::string must;                // "the nearest depth must be less than the farthest"
+  std::function<bool()> holds;
+};
+
 // Knots (x, y) of a piecewise-linear function, x increasing.
 using Knots = std::vector<std::array<double, 2>>;
 
@@ -51,13 +58,17 @@ class OptionSet {
           return i;
         });
   }
-  // The fields of a nested struct, under "name.".
+  // A condition between fields that are described above; check() asks for it, set() does not, since
+  // fields come in any order.
+  void require(std::vector<std::string> names, std::string must, std::function<bool()> holds);
+  // The fields and rules of a nested struct, under "name.".
   void add_group(const std::string& name, OptionSet group);
 
   // Sets one field from text. An unknown name is refused with the nearest known one; text that
   // cannot be read or is out of range leaves the field as it was.
   [[nodiscard]] Status set(std::string_view name, std::string_view text);
-  // The first field that is out of range, if any.
+  // The first field that is out of range, else the first rule that is broken, with the names and
+  // values of all its fields.
   [[nodiscard]] Status check() const;
   [[nodiscard]] const std::vector<OptionField>& fields() const { return fields_; }
 
@@ -66,7 +77,10 @@ class OptionSet {
   void add_choice_index(std::string name, std::string meaning, std::vector<std::string> names,
                         std::function<void(std::size_t)> assign,
                         std::function<std::size_t()> current);
+  [[nodiscard]] const OptionField* find(std::string_view name) const;
+
   std::vector<OptionField> fields_;
+  std::vector<OptionRule> rules_;
 };
 
 // Checks a struct by its description, in which the whole struct is named: "sad.window_px: ...".

@@ -114,5 +114,61 @@ TEST(Options, CheckNamesTheFieldOutOfRange) {
   EXPECT_FALSE(check_options(options));
 }
 
+struct SpanOptions {
+  double low_m = 1.0;
+  double high_m = 2.0;
+  int cells = 3;
+};
+
+OptionSet describe(SpanOptions& options) {
+  OptionSet set;
+  set.add("low_m", options.low_m, "from", 0.0, 10.0);
+  set.add("high_m", options.high_m, "to", 0.0, 10.0);
+  set.add("cells", options.cells, "number of cells", 0, 10);
+  set.require({"low_m", "high_m"}, "the lower must be less than the higher",
+              [&options] { return options.low_m < options.high_m; });
+  set.require({"cells"}, "three is the number", [&options] { return options.cells == 3; });
+  return set;
+}
+
+struct TwoSpans {
+  SpanOptions near, far;
+};
+
+OptionSet describe(TwoSpans& options) {
+  OptionSet set;
+  set.add_group("near", describe(options.near));
+  set.add_group("far", describe(options.far));
+  return set;
+}
+
+TEST(Options, RulesBetweenFieldsAreCheckedAlsoInGroups) {
+  TwoSpans options;
+  EXPECT_TRUE(check_options(options));
+  options.far.low_m = 2.0;
+  const Status equal = check_options(options);
+  ASSERT_FALSE(equal);
+  EXPECT_EQ(equal.error().code, ErrorCode::kBadValue);
+  EXPECT_EQ(equal.error().message(),
+            "far.low_m, far.high_m: 2 and 2, but the lower must be less than the higher. Change "
+            "one of them.");
+  options.far.low_m = 1.0;
+  options.near.cells = 4;
+  EXPECT_EQ(check_options(options).error().message(),
+            "near.cells: 4, but three is the number. Change it.");
+  // A field out of range comes first: what it breaks is not a contradiction.
+  options.near.low_m = 11.0;
+  EXPECT_EQ(check_options(options).error().where, "near.low_m");
+}
+
+TEST(Options, RulesHoldWhenAllFieldsAreSetNotInBetween) {
+  TwoSpans options;
+  OptionSet set = describe(options);
+  EXPECT_TRUE(set.set("near.low_m", "5"));  // above high_m, which follows
+  EXPECT_FALSE(set.check());
+  EXPECT_TRUE(set.set("near.high_m", "6"));
+  EXPECT_TRUE(set.check());
+}
+
 }  // namespace
 }  // namespace tread

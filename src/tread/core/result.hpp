@@ -2,7 +2,10 @@
 // A bug is an assertion and the quality of an estimate is a field of the estimate; neither is here.
 #pragma once
 
+#include <new>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <tl/expected.hpp>
 #include <utility>
 
@@ -17,6 +20,7 @@ enum class ErrorCode {
   kBadValue,     // a value outside its range
   kWriteFailed,  // the disk is full, the folder does not exist, no permission
   kUnsupported,  // valid, but not handled here
+  kTooLarge,     // it would take more memory than there is or than the options allow
 };
 
 // What was wrong, where (file, line, field), and what the reader of the message can do about it.
@@ -49,6 +53,20 @@ using Status = tl::expected<void, Error>;
 template <class T>
 [[nodiscard]] tl::unexpected<Error> forward(const Result<T>& result) {
   return tl::unexpected<Error>(result.error());
+}
+
+// Runs a body that gives a Result; memory that runs out within becomes an error like any other.
+//   return with_memory_checked(path, "Save a smaller map", [&] { return load(path); });
+template <class Body>
+[[nodiscard]] auto with_memory_checked(std::string_view where, std::string_view remedy,
+                                       const Body& body) -> decltype(body()) {
+  try {
+    return body();
+  } catch (const std::bad_alloc&) {
+  } catch (const std::length_error&) {  // a container asked for more than can be counted
+  }
+  return fail(ErrorCode::kTooLarge, "there is not enough memory for it", std::string(where),
+              std::string(remedy));
 }
 
 }  // namespace tread

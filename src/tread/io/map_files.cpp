@@ -21,6 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kIndexName = "map.yaml";
 constexpr std::size_t kLargestIndex = std::size_t{1} << 20;
+constexpr const char* kNeedsMemory = "Give it more memory, or cut the map into smaller ones";
 
 // What save_map may write beside the layers and map.yaml.
 constexpr std::array<const char*, 5> kCompanions = {"explored.png", "nav2_map.pgm", "nav2_map.yaml",
@@ -148,9 +149,7 @@ Status read_layer(const fs::path& path, MapLayer& layer) {
   return {};
 }
 
-}  // namespace
-
-Status save_map(const MapLayers& map, const fs::path& folder) {
+Status save(const MapLayers& map, const fs::path& folder) {
   if (const Status checked = check_map(map); !checked) return checked;
   std::error_code error;
   fs::create_directories(folder, error);
@@ -175,7 +174,7 @@ Status save_map(const MapLayers& map, const fs::path& folder) {
   return writer.commit();
 }
 
-Result<MapLayers> load_map(const fs::path& path) {
+Result<MapLayers> load(const fs::path& path) {
   std::error_code ignored;
   const bool is_folder = fs::is_directory(path, ignored);
   const fs::path folder =
@@ -194,6 +193,16 @@ Result<MapLayers> load_map(const fs::path& path) {
     }
   }
   return std::move(index->map);
+}
+
+}  // namespace
+
+Status save_map(const MapLayers& map, const fs::path& folder) {
+  return with_memory_checked(folder.string(), kNeedsMemory, [&] { return save(map, folder); });
+}
+
+Result<MapLayers> load_map(const fs::path& path) {
+  return with_memory_checked(path.string(), kNeedsMemory, [&] { return load(path); });
 }
 
 }  // namespace tread

@@ -328,6 +328,37 @@ Result<PointCloud> read_ascii(std::string_view body, int first_line, std::size_t
   return cloud;
 }
 
+Result<PointCloud> read(const fs::path& path) {
+  const auto bytes = read_file(path, std::size_t{1} << 33);
+  if (!bytes) return forward(bytes);
+  const auto header = parse_header(*bytes, path);
+  if (!header) return forward(header);
+  const auto vertex = std::find_if(header->elements.begin(), header->elements.end(),
+                                   [](const Element& e) { return e.name == "vertex"; });
+  if (vertex == header->elements.end()) {
+    return fail(ErrorCode::kBadFormat, "there is no element vertex", path.string(),
+                "Check that this is a point cloud or a mesh");
+  }
+  const auto columns = find_columns(*vertex, path);
+  if (!columns) return forward(columns);
+  const std::string_view body = std::string_view(*bytes).substr(header->bytes);
+  const auto index = static_cast<std::size_t>(vertex - header->elements.begin());
+  if (!header->ascii) {
+    const auto skipped = bytes_before(*header, index, body.size(), path);
+    if (!skipped) return forward(skipped);
+    return read_binary(body.substr(*skipped), *vertex, *columns, path);
+  }
+  // Every row of text has at least two bytes, so more rows than bytes cannot be; that also keeps
+  // the sums below from overflowing.
+  std::size_t rows_before = 0;
+  for (std::size_t i = 0; i <= index; ++i) {
+    const std::size_t count = header->elements[i].count;
+    if (count > body.size()) return truncated(path, count);
+    if (i < index) rows_before += count;
+  }
+  return read_ascii(body, header->lines, rows_before, *vertex, *columns, path);
+}
+
 }  // namespace
 
 Status write_ply(const fs::path& path, const PointCloud& cloud) {
@@ -358,34 +389,8 @@ Status write_ply(const fs::path& path, const PointCloud& cloud) {
 }
 
 Result<PointCloud> read_ply(const fs::path& path) {
-  const auto bytes = read_file(path, std::size_t{1} << 33);
-  if (!bytes) return forward(bytes);
-  const auto header = parse_header(*bytes, path);
-  if (!header) return forward(header);
-  const auto vertex = std::find_if(header->elements.begin(), header->elements.end(),
-                                   [](const Element& e) { return e.name == "vertex"; });
-  if (vertex == header->elements.end()) {
-    return fail(ErrorCode::kBadFormat, "there is no element vertex", path.string(),
-                "Check that this is a point cloud or a mesh");
-  }
-  const auto columns = find_columns(*vertex, path);
-  if (!columns) return forward(columns);
-  const std::string_view body = std::string_view(*bytes).substr(header->bytes);
-  const auto index = static_cast<std::size_t>(vertex - header->elements.begin());
-  if (!header->ascii) {
-    const auto skipped = bytes_before(*header, index, body.size(), path);
-    if (!skipped) return forward(skipped);
-    return read_binary(body.substr(*skipped), *vertex, *columns, path);
-  }
-  // Every row of text has at least two bytes, so more rows than bytes cannot be; that also keeps
-  // the sums below from overflowing.
-  std::size_t rows_before = 0;
-  for (std::size_t i = 0; i <= index; ++i) {
-    const std::size_t count = header->elements[i].count;
-    if (count > body.size()) return truncated(path, count);
-    if (i < index) rows_before += count;
-  }
-  return read_ascii(body, header->lines, rows_before, *vertex, *columns, path);
+  return with_memory_checked(path.string(), "Give it more memory, or thin out the points",
+                             [&] { return read(path); });
 }
 
 }  // namespace tread

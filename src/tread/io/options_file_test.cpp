@@ -2,11 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include "file_mutations.hpp"
 #include "test_data.hpp"
 #include "tread/io/atomic_file.hpp"
 
 namespace tread {
 namespace {
+
+using testing::put_file;
+using testing::ScratchFolder;
 
 struct Inner {
   int window_px = 9;
@@ -72,6 +76,40 @@ TEST(OptionsFile, WhatIsPrintedIsReadBack) {
   EXPECT_FALSE(back.fill);
   EXPECT_EQ(back.sad.window_px, 21);
   EXPECT_EQ(back.sad.knots, outer.sad.knots);
+}
+
+TEST(OptionsFile, DamagedFilesAreCleanlyReadOrRefused) {
+  const ScratchFolder folder;
+  const std::string valid = "fill: no\nsad:\n  window_px: 13\n  knots: \"0:1 3:4\"\n";
+  const auto take = [](const std::filesystem::path& path) {
+    Outer outer;
+    const Status done = read_options(path, describe(outer));
+    EXPECT_TRUE(describe(outer).check()) << "whatever the file says, no field leaves its range";
+    EXPECT_TRUE(done || done.error().where.find(path.string()) != std::string::npos);
+    return done.has_value();
+  };
+  put_file(folder / "o.yaml", valid);
+  ASSERT_TRUE(take(folder / "o.yaml"));
+  testing::shorter_files_taken(valid, folder / "o.yaml", take);
+  EXPECT_GT(testing::damaged_files_refused(valid, folder / "o.yaml", take), 1000);
+}
+
+// Aliases that double with every line, and brackets without end.
+TEST(OptionsFile, EndlessFilesAreRefused) {
+  const ScratchFolder folder;
+  std::string aliases = "a0: &a0 {x: 1}\n";
+  for (int i = 1; i < 40; ++i) {
+    const std::string before = "*a" + std::to_string(i - 1);
+    aliases += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " {l: " + before +
+               ", r: " + before + "}\n";
+  }
+  for (const std::string& text :
+       {aliases, std::string(200'000, '['), std::string(200'000, '{'), std::string(100'000, '-'),
+        std::string("a: &a [*a]\n"), std::string("&a a: *a\n")}) {
+    Outer outer;
+    put_file(folder / "o.yaml", text);
+    EXPECT_FALSE(read_options(folder / "o.yaml", describe(outer))) << text.substr(0, 20);
+  }
 }
 
 }  // namespace

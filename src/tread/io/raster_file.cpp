@@ -287,6 +287,40 @@ Status write_raster(const fs::path& path, int width, int height, const GridGeome
   return set.commit();
 }
 
+Result<Grid<float>> read_grid(const fs::path& path) {
+  const auto file = TiffHandle::open(path);
+  if (!file) return forward(file);
+  auto raster = read_raster(*file);
+  if (!raster) return forward(raster);
+  const auto geometry = geometry_of(*file, raster->width, raster->height);
+  if (!geometry) return forward(geometry);
+  forget_no_data(*file, raster->values);
+  Grid<float> grid;
+  grid.geometry = *geometry;
+  grid.values = std::move(raster->values);
+  const auto columns = static_cast<std::ptrdiff_t>(geometry->columns);
+  for (std::ptrdiff_t low = 0, high = geometry->rows - 1; low < high; ++low, --high) {
+    std::swap_ranges(grid.values.begin() + low * columns, grid.values.begin() + (low + 1) * columns,
+                     grid.values.begin() + high * columns);
+  }
+  return grid;
+}
+
+Result<Image<float>> read_image(const fs::path& path) {
+  const auto file = TiffHandle::open(path);
+  if (!file) return forward(file);
+  const auto raster = read_raster(*file);
+  if (!raster) return forward(raster);
+  Image<float> image(raster->width, raster->height);
+  for (int y = 0; y < image.height; ++y) {
+    const float* from = raster->values.data() + std::ptrdiff_t{y} * image.width;
+    std::copy(from, from + image.width, image.row(y));
+  }
+  return image;
+}
+
+constexpr const char* kNeedsMemory = "Give it more memory, or cut the file into smaller ones";
+
 }  // namespace
 
 Status write_geotiff(const fs::path& path, const Grid<float>& grid) {
@@ -308,22 +342,7 @@ Status write_geotiff(const fs::path& path, const Grid<float>& grid) {
 }
 
 Result<Grid<float>> read_geotiff(const fs::path& path) {
-  const auto file = TiffHandle::open(path);
-  if (!file) return forward(file);
-  auto raster = read_raster(*file);
-  if (!raster) return forward(raster);
-  const auto geometry = geometry_of(*file, raster->width, raster->height);
-  if (!geometry) return forward(geometry);
-  forget_no_data(*file, raster->values);
-  Grid<float> grid;
-  grid.geometry = *geometry;
-  grid.values = std::move(raster->values);
-  const auto columns = static_cast<std::ptrdiff_t>(geometry->columns);
-  for (std::ptrdiff_t low = 0, high = geometry->rows - 1; low < high; ++low, --high) {
-    std::swap_ranges(grid.values.begin() + low * columns, grid.values.begin() + (low + 1) * columns,
-                     grid.values.begin() + high * columns);
-  }
-  return grid;
+  return with_memory_checked(path.string(), kNeedsMemory, [&] { return read_grid(path); });
 }
 
 Status write_tiff(const fs::path& path, ImageView<const float> image) {
@@ -336,16 +355,7 @@ Status write_tiff(const fs::path& path, ImageView<const float> image) {
 }
 
 Result<Image<float>> read_tiff(const fs::path& path) {
-  const auto file = TiffHandle::open(path);
-  if (!file) return forward(file);
-  const auto raster = read_raster(*file);
-  if (!raster) return forward(raster);
-  Image<float> image(raster->width, raster->height);
-  for (int y = 0; y < image.height; ++y) {
-    const float* from = raster->values.data() + std::ptrdiff_t{y} * image.width;
-    std::copy(from, from + image.width, image.row(y));
-  }
-  return image;
+  return with_memory_checked(path.string(), kNeedsMemory, [&] { return read_image(path); });
 }
 
 }  // namespace tread

@@ -1,16 +1,15 @@
-// Our own format, writing, and what holds for all formats. Those of others: rig_formats_test.cpp.
+// Our own format, writing, and what holds for all formats. Those of others: rig_formats_test.cpp,
+// rig_format_pairs_test.cpp. Damaged files: rig_file_damaged_test.cpp.
 #include "tread/io/rig_file.hpp"
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
 #include <functional>
 #include <numbers>
 #include <random>
 
+#include "rig_file_fixture.hpp"
 #include "rig_samples.hpp"
-#include "test_data.hpp"
 #include "tread/geometry/rectification.hpp"
 
 namespace tread {
@@ -21,32 +20,16 @@ using Eigen::Vector3d;
 using namespace tread::testing;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr ImageSize kKittiSize{1226, 370};
 
-class RigFile : public ::testing::Test {
+class RigFile : public RigFiles {
  protected:
-  std::string write(const std::string& name, const std::string& text) {
-    const fs::path path = scratch_ / name;
-    fs::create_directories(path.parent_path());
-    std::ofstream(path, std::ios::binary | std::ios::trunc) << text;
-    return path.string();
-  }
-  Result<StereoRig> read_text(const std::string& text) { return read_rig(write("rig.yaml", text)); }
   // The message with which a changed sample is refused.
   std::string refusal(const std::string& sample, const std::string& from, const std::string& to) {
-    std::string text = sample;
-    const std::size_t at = text.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    text.replace(at, from.size(), to);
-    const auto rig = read_text(text);
+    const auto rig = read_text(changed(sample, from, to));
     EXPECT_FALSE(rig) << from << " -> " << to;
     return rig ? "" : rig.error().message();
   }
-  ScratchFolder scratch_;
 };
-
-#define EXPECT_SAYS(message, part) \
-  EXPECT_NE((message).find(part), std::string::npos) << "says: " << (message)
 
 void expect_equal(const StereoRig& a, const StereoRig& b) {
   EXPECT_EQ(a.name, b.name);
@@ -341,99 +324,6 @@ TEST_F(RigFile, ExampleRigs) {
   // Straight down from 2.2 m.
   EXPECT_LT((aloe->mount->T_body_left * Vector3d(0, 0, 2.2)).norm(), 1e-12);
   EXPECT_TRUE(aloe->mount->assumed);
-}
-
-// ---- damaged files
-
-struct Sample {
-  const char* name;
-  std::string text;
-  std::string partner;  // of a pair: the sound right file
-  bool left = true;     // which of the pair is damaged
-};
-
-std::vector<Sample> samples() {
-  return {{"own", kOwnRig, ""},
-          {"own rectified", kOwnRectifiedRig, ""},
-          {"OpenCV YAML", kOpenCvYaml, ""},
-          {"OpenCV XML", kOpenCvXml, ""},
-          {"Kalibr", kKalibr, ""},
-          {"KITTI", kKittiOdometry, ""},
-          {"KITTI bare", kKittiBare, ""},
-          {"KITTI raw", kKittiRaw, ""},
-          {"EuRoC left", kEurocLeft, kEurocRight},
-          {"EuRoC right", kEurocRight, kEurocLeft, false},
-          {"ROS left", kRosLeft, kRosRight},
-          {"ROS right", kRosRight, kRosLeft, false},
-          {"ROS message", kRosMessageRight, kRosMessageLeft, false}};
-}
-
-class DamagedRigFile : public RigFile {
- protected:
-  // What read_rig is given for a sample; its own file is damaged later.
-  std::string path_of(const Sample& sample) {
-    damaged_ = write("damaged", sample.text);
-    if (sample.partner.empty()) return damaged_;
-    const std::string partner = write("partner", sample.partner);
-    return sample.left ? damaged_ + "," + partner : partner + "," + damaged_;
-  }
-  // True if the damaged file was taken for a rig; then it is sound.
-  bool taken(const std::string& path, std::string_view text) {
-    std::ofstream(damaged_, std::ios::binary | std::ios::trunc) << text;
-    const auto rig = read_rig(path, kKittiSize);
-    if (!rig) {
-      EXPECT_FALSE(rig.error().what.empty());
-      EXPECT_SAYS(rig.error().where, scratch_.path().string());
-      EXPECT_FALSE(rig.error().remedy.empty());
-      return false;
-    }
-    EXPECT_TRUE(check_rig(*rig));
-    return true;
-  }
-
- private:
-  std::string damaged_;
-};
-
-TEST_F(DamagedRigFile, CutShortAtEveryByte) {
-  for (const Sample& sample : samples()) {
-    SCOPED_TRACE(sample.name);
-    const std::string path = path_of(sample);
-    EXPECT_TRUE(taken(path, sample.text));
-    std::size_t refused = 0;
-    for (std::size_t size = 0; size < sample.text.size(); ++size) {
-      if (!taken(path, std::string_view(sample.text).substr(0, size))) ++refused;
-    }
-    // What is cut may be optional (a mount, the last digits); the first half never is, but for
-    // KITTI's unused cameras.
-    EXPECT_GT(refused, sample.text.size() / 3);
-  }
-}
-
-TEST_F(DamagedRigFile, RandomDamage) {
-  std::mt19937 random(23);
-  for (const Sample& sample : samples()) {
-    SCOPED_TRACE(sample.name);
-    const std::string path = path_of(sample);
-    for (int trial = 0; trial < 150; ++trial) {
-      std::string text = sample.text;
-      for (int change = 0; change < 1 + trial % 4; ++change) {
-        const std::size_t at = random() % text.size();
-        switch (random() % 3) {
-          case 0:
-            text[at] = static_cast<char>(random());
-            break;
-          case 1:
-            text.erase(at, random() % 30);
-            break;
-          default:
-            text.insert(at, text.substr(random() % text.size(), random() % 60));
-        }
-        if (text.empty()) text = " ";
-      }
-      taken(path, text);
-    }
-  }
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <system_error>
@@ -36,9 +37,15 @@ class FolderSource : public StereoSource {
     return folder_.kind == StereoFolder::Kind::kKitti ? "KITTI odometry folder"
                                                       : "folder of left and right images";
   }
-  [[nodiscard]] Result<std::optional<StereoFrame>> next() override;
+  [[nodiscard]] Result<std::optional<StereoFrame>> next() override {
+    if (next_ >= folder_.frames.size()) return std::optional<StereoFrame>{};
+    const std::size_t index = next_++;
+    return with_memory_checked(folder_.frames[index].name, "Give it more memory, or smaller images",
+                               [&] { return read(index); });
+  }
 
  private:
+  [[nodiscard]] Result<std::optional<StereoFrame>> read(std::size_t index) const;
   [[nodiscard]] Status check_size(ImageView<const std::uint8_t> image, const fs::path& path) const;
 
   StereoFolder folder_;
@@ -55,9 +62,7 @@ Status FolderSource::check_size(ImageView<const std::uint8_t> image, const fs::p
               path.string(), "Give images as they were calibrated, or another rig file");
 }
 
-Result<std::optional<StereoFrame>> FolderSource::next() {
-  if (next_ >= folder_.frames.size()) return std::optional<StereoFrame>{};
-  const std::size_t index = next_++;
+Result<std::optional<StereoFrame>> FolderSource::read(std::size_t index) const {
   const StereoFolder::Frame& from = folder_.frames[index];
   if (from.left.empty() || from.right.empty()) {
     const bool no_left = from.left.empty();
@@ -86,15 +91,51 @@ bool is_there(const fs::path& path) {
   return fs::exists(path, ignored);
 }
 
-// The size of the first image that can be read.
+// Votes of images for a size; of equally many the one that came first.
+class SizeVotes {
+ public:
+  void add(ImageSize size) {
+    const auto known = std::find_if(votes_.begin(), votes_.end(),
+                                    [size](const auto& vote) { return vote.first == size; });
+    if (known == votes_.end()) {
+      votes_.emplace_back(size, 1);
+    } else {
+      ++known->second;
+    }
+  }
+  [[nodiscard]] std::optional<ImageSize> most() const {
+    const auto found =
+        std::max_element(votes_.begin(), votes_.end(),
+                         [](const auto& a, const auto& b) { return a.second < b.second; });
+    return found == votes_.end() ? std::nullopt : std::optional(found->first);
+  }
+
+ private:
+  std::vector<std::pair<ImageSize, int>> votes_;
+};
+
+// The size that most images have, of up to nine frames spread over the drive: one odd image shall
+// not speak for the others. If none of those can be read, the size of the first that can.
 Result<ImageSize> find_image_size(const StereoFolder& folder) {
+  constexpr std::size_t kAsked = 9;
+  const std::size_t count = folder.frames.size();  // at least one
+  SizeVotes votes;
+  for (std::size_t i = 0; i < std::min(kAsked, count); ++i) {
+    const StereoFolder::Frame& frame =
+        folder.frames[count <= kAsked ? i : i * (count - 1) / (kAsked - 1)];
+    for (const fs::path& path : {frame.left, frame.right}) {
+      if (path.empty()) continue;
+      if (const auto size = read_image_size(path)) votes.add(*size);
+    }
+  }
+  if (const auto most = votes.most()) return *most;
   std::optional<Result<ImageSize>> first;
   for (const StereoFolder::Frame& frame : folder.frames) {
     auto size = read_image_size(frame.left.empty() ? frame.right : frame.left);
     if (size) return size;
     if (!first) first = std::move(size);
   }
-  return *first;  // there is at least one frame
+  return *first;
 }
 
 // What read_rig shall be given.

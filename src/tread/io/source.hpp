@@ -28,7 +28,8 @@ class StereoSource {
   // What it is: "KITTI odometry folder".
   [[nodiscard]] virtual std::string kind() const = 0;
   // The next frame; empty after the last. An error names the file: an image that is missing, cannot
-  // be read, or has another size than the rig. The next call goes on with the frame behind it.
+  // be read, or has another size than the rig (than most images where the calibration names none).
+  // The next call goes on with the frame behind it.
   [[nodiscard]] virtual Result<std::optional<StereoFrame>> next() = 0;
 };
 

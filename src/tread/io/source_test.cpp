@@ -213,6 +213,10 @@ TEST(Source, ABadFirstFrameDoesNotHideTheOthers) {
   EXPECT_EQ(read.errors.size(), 1U);
   EXPECT_EQ(names_of(read), (std::vector<std::string>{"000001"}));
   put(folder / "image_0" / "000001.png", "neither");
+  const auto right_only = open_stereo_source(folder.path());
+  ASSERT_TRUE(right_only) << "the size is known from the right images";
+  EXPECT_EQ(read_all(**right_only).errors.size(), 2U);
+  for (const char* name : {"000000.png", "000001.png"}) put(folder / "image_1" / name, "nor these");
   const auto none = open_stereo_source(folder.path());
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().where, (folder / "image_0" / "000000.png").string());

@@ -10,9 +10,13 @@ target_sources(tread_tests PRIVATE
   ${here}/nav2_map_test.cpp
   ${here}/options_file_test.cpp
   ${here}/pfm_file_test.cpp
+  ${here}/raster_file_errors_test.cpp
   ${here}/raster_file_test.cpp
+  ${here}/rig_file_damaged_test.cpp
   ${here}/rig_file_test.cpp
+  ${here}/rig_format_pairs_test.cpp
   ${here}/rig_formats_test.cpp
+  ${here}/source_size_test.cpp
   ${here}/source_test.cpp
   ${here}/stereo_folder_test.cpp
   ${here}/text_test.cpp

@@ -26,8 +26,8 @@ int keep_first_error(TIFF* /*handle*/, void* first_error, const char* /*module*/
   return 1;  // handled: libtiff prints nothing
 }
 
-// libtiff warns of harmless things, as tags it does not know, and of files that are cut off or whose
-// strips do not fit the picture, of which it then guesses. Those are errors here.
+// libtiff warns of harmless things, as tags it does not know, and of files that are cut off or
+// whose strips do not fit the picture, of which it then guesses. Those are errors here.
 int sort_warning(TIFF* handle, void* first_error, const char* module, const char* format,
                  va_list arguments) {
   const std::string_view text(format);
@@ -80,7 +80,9 @@ std::vector<T> values_of(TIFF* handle, std::uint32_t tag, TIFFDataType type) {
 
 }  // namespace
 
-bool TiffHandle::has_error() const { return !first_error_->empty(); }
+bool TiffHandle::has_error() const {
+  return !first_error_->empty();
+}
 
 void TiffHandle::Close::operator()(tiff* handle) const {
   TIFFClose(handle);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "file_mutations.hpp"
@@ -166,6 +167,18 @@ TEST(Times, AreExactAndMustIncrease) {
   put_file(folder / "times.txt", "");
   EXPECT_FALSE(read_times(folder / "times.txt"));
   EXPECT_FALSE(read_times(folder / "none"));
+}
+
+TEST(Times, DamagedFilesAreCleanlyReadOrRefused) {
+  const ScratchFolder folder;
+  const std::string valid = "0.000000e+00\n1.036224e-01\n2.072890e-01\n3.1\n";
+  const auto read = [](const fs::path& path) {
+    const auto times = read_times(path);
+    EXPECT_TRUE(!times || std::is_sorted(times->begin(), times->end()));
+    return times.has_value();
+  };
+  testing::shorter_files_taken(valid, folder / "t", read);
+  EXPECT_GT(testing::damaged_files_refused(valid, folder / "t", read), 500);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "tread/core/shrink.hpp"
 #include "tread/stereo/disparity_range.hpp"
@@ -16,6 +17,9 @@ double quarter_pixel_range(const RectifiedRig& rig, double cell_m) {
   return std::sqrt(cell_m * rig.baseline_m * rig.fx_px / 0.25);
 }
 
+// Farther than this no rig sees a cell of the map, whatever its baseline.
+constexpr double kFarthestExtended_m = 1000.0;
+
 // Whether any ray of the image points backwards, seen from the body.
 bool sees_behind(const RectifiedRig& rig, const Eigen::Matrix3d& R_body_points) {
   for (double v : {0.0, rig.size.height - 1.0}) {
@@ -24,10 +28,22 @@ bool sees_behind(const RectifiedRig& rig, const Eigen::Matrix3d& R_body_points) 
   return false;
 }
 
+// That the search fits the images, as far as it is known before the first frame.
+Status check_disparities(const SadOptions& sad, bool widened, ImageSize matched) {
+  const int least = sad.min_disparity_px + (widened ? 1 : sad.num_disparities);
+  if (least <= matched.width) return {};
+  return fail(ErrorCode::kBadValue,
+              fmt::format("{} disparities from {} on do not fit images matched {} px wide",
+                          sad.num_disparities, sad.min_disparity_px, matched.width),
+              "stereo.sad.min_disparity_px, stereo.sad.num_disparities",
+              "Search fewer, or lower shrink");
+}
+
 }  // namespace
 
 OptionSet describe(RoverMapOptions& options) {
   OptionSet set;
+  set.add_group("pose", describe(options.pose));
   set.add_group("stereo", describe(options.stereo));
   set.add("shrink", options.shrink, "match images shrunk by this factor", 1, 16);
   set.add("auto_num_disparities", options.auto_num_disparities,
@@ -38,16 +54,34 @@ OptionSet describe(RoverMapOptions& options) {
   set.add_group("local", describe(options.local));
   set.add_group("global", describe(options.global));
   set.add_group("cost", describe(options.cost));
+  // Seen from above the camera may look all around.
+  set.require({"depth.max_depth_m", "local.resolution_m"},
+              "a local map as wide as that must take at most 1 GiB, 24 bytes a cell", [&options] {
+                const double range_m = options.depth.max_depth_m;
+                return local_map_fits(options.local.resolution_m, range_m, range_m);
+              });
+  set.require(
+      {"cost.window_m", "cost.cells_per_side", "local.resolution_m"},
+      "the window must be as wide as a cell of the cost map, so that no ground lies between "
+      "two, and at most 500 cells of the ground",
+      [&options] { return covers_ground(options.cost, options.local.resolution_m); });
   return set;
 }
 
 RoverMapper::RoverMapper(const StereoRig& rig, const RoverMapOptions& options)
     : options_(options),
       size_(rig.size),
+      gate_(options.pose),
       ground_(options.local.resolution_m),
-      cost_(options.cost, options.local.resolution_m) {}
+      cost_(options.cost, options.local.resolution_m, options.global.max_map_mib) {}
 
-Result<RoverMapper> RoverMapper::make(const StereoRig& full_rig, const RoverMapOptions& options) {
+Result<RoverMapper> RoverMapper::make(const StereoRig& rig, const RoverMapOptions& options) {
+  return with_memory_checked("rig " + rig.name, "Give it more memory, or raise shrink",
+                             [&] { return make_mapper(rig, options); });
+}
+
+Result<RoverMapper> RoverMapper::make_mapper(const StereoRig& full_rig,
+                                             const RoverMapOptions& options) {
   if (Status ok = check_rig(full_rig); !ok) return forward(ok);
   if (Status ok = check_options(options); !ok) return forward(ok);
   RoverMapper mapper(full_rig, options);
@@ -70,12 +104,24 @@ Result<RoverMapper> RoverMapper::make(const StereoRig& full_rig, const RoverMapO
 
   RoverMapOptions& own = mapper.options_;
   if (own.extend_range) {
+    const double extended = quarter_pixel_range(mapper.rig_, own.local.resolution_m);
     own.depth.max_depth_m =
-        std::max(own.depth.max_depth_m, quarter_pixel_range(mapper.rig_, own.local.resolution_m));
+        std::max(own.depth.max_depth_m, std::min(extended, kFarthestExtended_m));
   }
   own.local.range_m = own.depth.max_depth_m;
   own.local.behind_m =
       sees_behind(mapper.rig_, mapper.T_body_points_.linear()) ? own.local.range_m : 0.0;
+  if (!local_map_fits(own.local.resolution_m, own.local.range_m, own.local.behind_m)) {
+    return fail(ErrorCode::kTooLarge,
+                fmt::format("the cameras see {:.0f} m far; a local map of that reach would take "
+                            "more than 1 GiB",
+                            own.local.range_m),
+                "extend_range", "Turn it off, or raise local.resolution_m");
+  }
+  if (Status ok = check_disparities(own.stereo.sad, own.auto_num_disparities, mapper.rig_.size);
+      !ok) {
+    return forward(ok);
+  }
   return mapper;
 }
 
@@ -103,8 +149,9 @@ Status RoverMapper::choose_range(const Context& context) {
   if (range_chosen_ || !options_.auto_num_disparities) return {};
   const auto needed = estimate_num_disparities(left_, right_, options_.stereo, context);
   if (!needed) return forward(needed);
-  options_.stereo.sad.num_disparities =
-      std::min(left_.width, std::max(options_.stereo.sad.num_disparities, *needed));
+  SadOptions& sad = options_.stereo.sad;
+  sad.num_disparities =
+      std::min(left_.width - sad.min_disparity_px, std::max(sad.num_disparities, *needed));
   range_chosen_ = true;
   return {};
 }
@@ -124,23 +171,64 @@ void RoverMapper::rectify(const StereoFrame& frame, const Context& context) {
   remap(right, rectification_->right, right_, context);
 }
 
+// After this the pose counts as one of the drive, whatever becomes of the images.
+Status RoverMapper::check_pose(const StereoFrame& frame, const Isometry3d& T_world_body) {
+  const std::string where = "frame " + frame.name;
+  const PoseGate::Answer answer = gate_.judge(frame.stamp_ns, T_world_body.translation());
+  const std::string jump =
+      fmt::format("its pose is {:.4g} m from that of the last frame taken, {:.4g} m are allowed",
+                  answer.distance_m, answer.allowed_m);
+  if (answer.verdict == PoseGate::Verdict::kRefused) {
+    ++refused_poses_;
+    return fail(ErrorCode::kBadValue, jump, where,
+                "Correct the trajectory, or raise pose.max_step_m if it is right");
+  }
+  if (answer.verdict == PoseGate::Verdict::kRestart) {
+    ground_ = GlobalMap(options_.local.resolution_m);
+    cost_.clear();
+    began_anew_ = Error{ErrorCode::kBadValue,
+                        "the map begins anew here, since the first frames stood elsewhere: " + jump,
+                        where, "Correct their poses, or raise pose.max_step_m if they are right"};
+  }
+  if (!cost_.can_reach(T_world_body.translation().head<2>())) {
+    return fail(ErrorCode::kTooLarge,
+                fmt::format("it is so far from the map that both would take more than "
+                            "global.max_map_mib, {} MiB",
+                            options_.global.max_map_mib),
+                where, "Check the poses; raise it if they are right");
+  }
+  return {};
+}
+
 Result<RoverFrame> RoverMapper::add(const StereoFrame& frame, const Context& context) {
+  const std::string where = "frame " + frame.name;
+  auto taken =
+      with_memory_checked(where, "Make cells larger or the range shorter, or give it more memory",
+                          [&] { return take(frame, context); });
+  if (!taken && taken.error().where != where) {
+    taken.error().where.insert(0, where + ": ");
+  }
+  return taken;
+}
+
+Result<RoverFrame> RoverMapper::take(const StereoFrame& frame, const Context& context) {
   if (Status ok = check_frame(frame); !ok) return forward(ok);
+  const Isometry3d T_world_body = *frame.T_world_left * T_left_body_;
+  if (Status ok = check_pose(frame, T_world_body); !ok) return forward(ok);
   rectify(frame, context);
   if (Status ok = choose_range(context); !ok) return forward(ok);
 
-  RoverFrame result;
   const auto disparity = matcher_.match(left_, right_, options_.stereo, context);
   if (!disparity) return forward(disparity);
   depth_image(*disparity, rig_, options_.depth, depth_, context);
   depth_cloud(depth_, rig_, options_.stereo.sad.reference, {}, cloud_, context);
 
-  const Isometry3d T_world_body = *frame.T_world_left * T_left_body_;
   const Isometry3d T_level_points =
       Isometry3d(R_level_body(T_world_body.linear())) * T_body_points_;
   const Grid<float>& height = local_.build(cloud_.points, T_level_points, options_.local, context);
   sobel_squared(height, derivative_, context);
 
+  RoverFrame result;
   result.pose = {T_world_body.translation(), yaw_pitch_roll(T_world_body.linear()).yaw_rad};
   if (Status ok = ground_.integrate(height, derivative_, result.pose, options_.global, context);
       !ok) {
@@ -150,6 +238,7 @@ Result<RoverFrame> RoverMapper::add(const StereoFrame& frame, const Context& con
   cost_.update(ground_, changes, context);
   cost_.reach(result.pose.position.head<2>());
 
+  result.began_anew = std::exchange(began_anew_, std::nullopt);
   result.left = left_;
   result.disparity = *disparity;
   result.depth = depth_;
@@ -160,10 +249,13 @@ Result<RoverFrame> RoverMapper::add(const StereoFrame& frame, const Context& con
   return result;
 }
 
-MapLayers RoverMapper::layers() const {
-  MapLayers map = ground_.layers();
-  cost_.add_layer(map);
-  return map;
+Result<MapLayers> RoverMapper::layers() const {
+  return with_memory_checked("map", "Give it more memory, or make cells larger",
+                             [this]() -> Result<MapLayers> {
+                               MapLayers map = ground_.layers();
+                               cost_.add_layer(map);
+                               return map;
+                             });
 }
 
 }  // namespace tread

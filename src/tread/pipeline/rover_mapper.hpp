@@ -4,9 +4,11 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "tread/geometry/rectification.hpp"
 #include "tread/geometry/samples.hpp"
+#include "tread/pipeline/pose_gate.hpp"
 #include "tread/stereo/depth.hpp"
 #include "tread/stereo/stereo_matcher.hpp"
 #include "tread/terrain/cost_map.hpp"
@@ -16,15 +18,17 @@
 namespace tread {
 
 struct RoverMapOptions {
+  PoseGateOptions pose;
   StereoOptions stereo;
   int shrink = 1;  // match images shrunk by this factor: faster, and better where all is blurred
   bool auto_num_disparities = true;  // widen the search to what the first frame needs
   DepthOptions depth{0.8, 6.0};      // paper R: 6 m
   // See farther than depth.max_depth_m where the rig can: as far as a quarter of a pixel is one
-  // cell of the map. On paper R's camera that is its 6 m.
+  // cell of the map. On paper R's camera (0.12 m baseline, 1024 px wide) that is 6.2 m with its
+  // lenses of 3.8 mm and would be 5.1 m with those of 2.5 mm; the paper says 6 m.
   bool extend_range = true;
-  LocalMapOptions local;  // range_m and behind_m are set from the depth gate and the mount
-  GlobalMapOptions global;
+  LocalMapOptions local;    // range_m and behind_m are set from the depth gate and the mount
+  GlobalMapOptions global;  // max_map_mib bounds the grid of costs too
   CostOptions cost;
 };
 [[nodiscard]] OptionSet describe(RoverMapOptions& options);
@@ -39,6 +43,9 @@ struct RoverFrame {
   const Grid<float>* derivative = nullptr;  // local
   LevelPose pose;
   std::size_t changed_cells = 0;
+  // Set if the maps began anew with this frame, and why: the frames before it stood at another
+  // place, and were too few to be believed (see PoseGate).
+  std::optional<Error> began_anew;
 };
 
 class RoverMapper {
@@ -48,22 +55,31 @@ class RoverMapper {
   [[nodiscard]] static Result<RoverMapper> make(const StereoRig& rig,
                                                 const RoverMapOptions& options);
 
-  // Takes one frame into the maps. It must have a pose (T_world_left) and the rig's image size;
-  // otherwise an error that names the frame, and the maps stay as they were.
+  // Takes one frame into the maps. It must have the rig's image size and a pose (T_world_left) that
+  // is a rigid motion and within reach of the frames before it (see PoseGate); otherwise an error
+  // that names the frame, and the maps stay as they were. So also where the map would grow beyond
+  // global.max_map_mib, and where memory runs out.
   [[nodiscard]] Result<RoverFrame> add(const StereoFrame& frame, const Context& context = {});
 
   [[nodiscard]] const GlobalMap& ground() const { return ground_; }
   [[nodiscard]] const CostMap& cost() const { return cost_; }
   [[nodiscard]] CostMap& cost() { return cost_; }
+  // Frames refused because of where their poses are.
+  [[nodiscard]] std::size_t refused_poses() const { return refused_poses_; }
   [[nodiscard]] const RectifiedRig& rig() const { return rig_; }
   // With what was set from the rig and the first frame.
   [[nodiscard]] const RoverMapOptions& options() const { return options_; }
-  // All layers: height, derivative, explored, cost.
-  [[nodiscard]] MapLayers layers() const;
+  // All layers: height, derivative, explored, cost. Fails only where there is less memory than
+  // global.max_map_mib allows.
+  [[nodiscard]] Result<MapLayers> layers() const;
 
  private:
   RoverMapper(const StereoRig& rig, const RoverMapOptions& options);
+  [[nodiscard]] static Result<RoverMapper> make_mapper(const StereoRig& full_rig,
+                                                       const RoverMapOptions& options);
   [[nodiscard]] Status check_frame(const StereoFrame& frame) const;
+  [[nodiscard]] Status check_pose(const StereoFrame& frame, const Isometry3d& T_world_body);
+  [[nodiscard]] Result<RoverFrame> take(const StereoFrame& frame, const Context& context);
   void rectify(const StereoFrame& frame, const Context& context);
   [[nodiscard]] Status choose_range(const Context& context);
 
@@ -76,6 +92,9 @@ class RoverMapper {
   bool range_chosen_ = false;
 
   StereoMatcher matcher_;
+  PoseGate gate_;
+  std::size_t refused_poses_ = 0;
+  std::optional<Error> began_anew_;  // not yet told with a frame
   LocalMapBuilder local_;
   GlobalMap ground_;
   CostMap cost_;

@@ -98,7 +98,7 @@ TEST(RoverMapper, PlanGoesRoundTheBlock) {
 TEST(RoverMapper, SameForAnyThreadCount) {
   Context two;
   two.threads = 2;
-  const MapLayers a = mapped().layers(), b = mapped(two).layers();
+  const MapLayers a = mapped().layers().value(), b = mapped(two).layers().value();
   for (const MapLayer& layer : a.layers) {
     const MapLayer* other = b.find(layer.name);
     ASSERT_NE(other, nullptr);

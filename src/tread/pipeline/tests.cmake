@@ -1,5 +1,7 @@
 # Tests of this module, built into tests/tread_tests.
 set(here ${CMAKE_CURRENT_LIST_DIR})
 target_sources(tread_tests PRIVATE
+  ${here}/pose_gate_test.cpp
+  ${here}/rover_mapper_poses_test.cpp
   ${here}/rover_mapper_test.cpp
 )

@@ -238,6 +238,9 @@ OptionSet describe(PlannerOptions& options) {
           "cost of cells nothing is known about, and of the ground beyond the map", 0.001, 1e9);
   set.add("shortcut_tolerance", options.shortcut_tolerance,
           "a waypoint is left out if the straight line costs at most this fraction more", 0.0, 1.0);
+  set.require({"unexplored_cost", "lethal_cost"},
+              "unexplored ground must cost at most what is lethal",
+              [&options] { return options.unexplored_cost <= options.lethal_cost; });
   return set;
 }
 

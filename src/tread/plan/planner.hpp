@@ -12,8 +12,10 @@
 namespace tread {
 
 struct PlannerOptions {
-  double lethal_cost = 50.0;         // cells of this cost and above are never entered, cost units
-  double unexplored_cost = 5.0;      // of cells nothing is known about, and beyond the map
+  double lethal_cost = 50.0;  // cells of this cost and above are never entered, cost units
+  // Of cells nothing is known about, and beyond the map. Equal to lethal_cost they are lethal too;
+  // above it is a mistake.
+  double unexplored_cost = 5.0;
   double shortcut_tolerance = 0.02;  // a waypoint is left out if the straight line costs at most
                                      // this fraction more than the path it replaces
 };

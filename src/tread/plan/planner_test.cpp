@@ -363,6 +363,15 @@ TEST(PlannerOptions, AreDescribedWithTheirRanges) {
   const Status bad = check_options(options);
   ASSERT_FALSE(bad.has_value());
   EXPECT_EQ(bad.error().where, "shortcut_tolerance");
+  options.shortcut_tolerance = 0.0;
+  options.unexplored_cost = options.lethal_cost;  // unexplored ground is lethal
+  EXPECT_TRUE(check_options(options).has_value());
+  options.unexplored_cost = 50.5;
+  const Status above = check_options(options);
+  ASSERT_FALSE(above.has_value());
+  EXPECT_EQ(above.error().message(),
+            "unexplored_cost, lethal_cost: 50.5 and 50, but unexplored ground must cost at most "
+            "what is lethal. Change one of them.");
   EXPECT_EQ(describe(options).fields().size(), 3U);
 }
 

@@ -11,6 +11,8 @@ OptionSet describe(DepthOptions& options) {
   OptionSet set;
   set.add("min_depth_m", options.min_depth_m, "nearest depth kept, m", 0.0, 1e4);
   set.add("max_depth_m", options.max_depth_m, "farthest depth kept, m", 0.0, 1e4);
+  set.require({"min_depth_m", "max_depth_m"}, "the nearest must be less than the farthest",
+              [&options] { return options.min_depth_m < options.max_depth_m; });
   return set;
 }
 

@@ -12,7 +12,8 @@
 namespace tread {
 
 struct DepthOptions {
-  double min_depth_m = 0.8;  // nearer and farther pixels are unknown; the defaults are paper Q's
+  // Nearer and farther pixels are unknown; the defaults are paper Q's. Nearest below farthest.
+  double min_depth_m = 0.8;
   double max_depth_m = 4.0;
 };
 [[nodiscard]] OptionSet describe(DepthOptions& options);

@@ -16,8 +16,11 @@ constexpr int kLeast = 64;
 Result<int> estimate_num_disparities(ImageView<const std::uint8_t> left,
                                      ImageView<const std::uint8_t> right,
                                      const StereoOptions& options, const Context& context) {
-  const int widest = std::min(left.width, kMaxDisparity);
-  const int least = std::min(kLeast, std::max(1, widest));
+  const ScopedTimer timer(context, "stereo/range");
+  const Context untimed{context.threads, nullptr};  // the stages below are those of frames
+  const int first = options.sad.min_disparity_px;
+  const int widest = std::max(1, std::min(left.width, kMaxDisparity) - first);
+  const int least = std::min(kLeast, widest);
   if (left.empty() || !same_size(left, right)) {  // let the matcher say what is wrong
     StereoMatcher matcher;
     if (const auto refused = matcher.match(left, right, options); !refused) return forward(refused);
@@ -31,7 +34,7 @@ Result<int> estimate_num_disparities(ImageView<const std::uint8_t> left,
   coarse.holes.spatial = coarse.holes.temporal = false;
   coarse.speckle.max_size_px /= kShrink * kShrink;
   StereoMatcher matcher;
-  const auto disparity = matcher.match(small_left, small_right, coarse, context);
+  const auto disparity = matcher.match(small_left, small_right, coarse, untimed);
   if (!disparity) return forward(disparity);
 
   std::vector<int> matched;
@@ -44,7 +47,7 @@ Result<int> estimate_num_disparities(ImageView<const std::uint8_t> left,
   if (matched.size() < 200) return least;
   const auto rank = matched.begin() + static_cast<std::ptrdiff_t>(matched.size() * 995 / 1000);
   std::nth_element(matched.begin(), rank, matched.end());
-  const int needed = kShrink * *rank * 5 / 4 / kDisparityScale;
+  const int needed = kShrink * *rank * 5 / 4 / kDisparityScale - first;
   return std::min(widest, std::max(least, (needed + 16) / 16 * 16));
 }
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tread/stereo/test_images.hpp"
+#include "stereo_images.hpp"
 
 namespace tread {
 namespace {
@@ -25,6 +25,29 @@ TEST(DisparityRange, CoversTheSceneWithAMarginAndNotMuchMore) {
     EXPECT_LE(*range, std::max(64.0, 1.6 * largest + 16));
     EXPECT_EQ(*range % 16, 0);
   }
+}
+
+TEST(DisparityRange, CountsFromTheFirstDisparitySearched) {
+  const testing::Pair pair = testing::textured_pair(640, 120, 5, [](int, int) { return 100.0; });
+  const int from_zero = *estimate_num_disparities(pair.left, pair.right, {});
+  StereoOptions options;
+  options.sad.min_disparity_px = 48;
+  EXPECT_EQ(*estimate_num_disparities(pair.left, pair.right, options),
+            std::max(64, from_zero - 48));
+  options.sad.min_disparity_px = 600;  // what is left of the image
+  EXPECT_LE(*estimate_num_disparities(pair.left, pair.right, options), 40);
+}
+
+// Its stages are not those of the frames: they would spoil the means.
+TEST(DisparityRange, IsTimedAsAStageOfItsOwn) {
+  Timings timings;
+  Context context;
+  context.timings = &timings;
+  const Image<std::uint8_t> wall(640, 480, 77);
+  ASSERT_TRUE(estimate_num_disparities(wall, wall, {}, context));
+  ASSERT_EQ(timings.entries().size(), 1U);
+  EXPECT_EQ(timings.entries().begin()->first, "stereo/range");
+  EXPECT_EQ(timings.entries().begin()->second.calls, 1);
 }
 
 TEST(DisparityRange, WithoutTextureTheLeastAndNeverWiderThanTheImage) {

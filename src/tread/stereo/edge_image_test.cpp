@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "tread/stereo/test_images.hpp"
+#include "stereo_images.hpp"
 
 namespace tread {
 namespace {

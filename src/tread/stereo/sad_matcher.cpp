@@ -1,5 +1,7 @@
 #include "tread/stereo/sad_matcher.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
 #include <cstdlib>
@@ -90,6 +92,11 @@ OptionSet describe(SadOptions& options) {
           0.0, 128.0);
   set.add("left_right_tolerance_px", options.left_right_tolerance_px,
           "how far the match back may miss, px; -1: not checked", -1, 16);
+  set.require({"min_disparity_px", "num_disparities"},
+              fmt::format("the largest disparity must be at most {} px", kMaxDisparity),
+              [&options] {
+                return options.min_disparity_px + options.num_disparities - 1 <= kMaxDisparity;
+              });
   return set;
 }
 

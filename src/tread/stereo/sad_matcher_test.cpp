@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "tread/stereo/test_images.hpp"
+#include "stereo_images.hpp"
 
 namespace tread {
 namespace {

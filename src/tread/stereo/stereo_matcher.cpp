@@ -24,22 +24,12 @@ Status check_images(ImageView<const std::uint8_t> left, ImageView<const std::uin
 
 Status check_against_image(const StereoOptions& options, int width) {
   const SadOptions& sad = options.sad;
-  if (sad.min_disparity_px + sad.num_disparities - 1 > kMaxDisparity) {
-    return fail(ErrorCode::kBadValue,
-                fmt::format("the range ends at {} px, the largest disparity is {}",
-                            sad.min_disparity_px + sad.num_disparities - 1, kMaxDisparity),
-                "sad.num_disparities", "Search fewer disparities");
-  }
   if (sad.min_disparity_px + sad.num_disparities > width) {
     return fail(
         ErrorCode::kBadValue,
         fmt::format("disparities {} to {} do not fit an image {} px wide", sad.min_disparity_px,
                     sad.min_disparity_px + sad.num_disparities - 1, width),
         "sad.num_disparities", "Search fewer disparities, or give larger images");
-  }
-  if (sad.min_texture > 0.0 && options.edges.kind == EdgeKind::kNone) {
-    return fail(ErrorCode::kBadValue, "texture is measured on edge images, which are off",
-                "sad.min_texture", "Set it to 0, or edges.kind to gradient");
   }
   return {};
 }
@@ -52,6 +42,10 @@ OptionSet describe(StereoOptions& options) {
   set.add_group("sad", describe(options.sad));
   set.add_group("holes", describe(options.holes));
   set.add_group("speckle", describe(options.speckle));
+  set.require({"sad.min_texture", "edges.kind"},
+              "texture is measured on edge images: it must be 0 where they are off", [&options] {
+                return options.sad.min_texture <= 0.0 || options.edges.kind != EdgeKind::kNone;
+              });
   return set;
 }
 

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
+#include "stereo_images.hpp"
 #include "tread/stereo/depth.hpp"
-#include "tread/stereo/test_images.hpp"
 
 namespace tread {
 namespace {
@@ -37,12 +37,12 @@ TEST(StereoMatcher, RefusesWhatCannotBeMatched) {
   options.sad.num_disparities = 64;
   options.edges.kind = EdgeKind::kNone;
   options.sad.min_texture = 3.0;
-  EXPECT_EQ(refused(image, image, options), "sad.min_texture");
+  EXPECT_EQ(refused(image, image, options), "sad.min_texture, edges.kind");
   const Image<std::uint8_t> wide = random_image(3000, 2, 1);
   options = {};
   options.sad.min_disparity_px = 900;
   options.sad.num_disparities = 300;
-  EXPECT_EQ(refused(wide, wide, options), "sad.num_disparities");
+  EXPECT_EQ(refused(wide, wide, options), "sad.min_disparity_px, sad.num_disparities");
   StereoMatcher matcher;
   const ImageView<const std::uint8_t> overlapping{image.row(0), 80, 20, 40};
   EXPECT_FALSE(matcher.match(overlapping, overlapping, {}));
@@ -156,6 +156,15 @@ TEST(Depth, FollowsEquationOneAndTheGate) {
   EXPECT_TRUE(std::isnan(depth(2, 0)));
   EXPECT_TRUE(std::isnan(depth(3, 0)));
   EXPECT_NEAR(depth_sigma_m(*rig, 2.0), 0.025, 1e-6);
+}
+
+TEST(Depth, TheNearestMustBeLessThanTheFarthest) {
+  EXPECT_TRUE(check_options(DepthOptions{0.8, 4.0}));
+  for (const DepthOptions& options : {DepthOptions{4.0, 0.8}, DepthOptions{2.0, 2.0}}) {
+    const Status refused = check_options(options);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().where, "min_depth_m, max_depth_m");
+  }
 }
 
 TEST(Depth, CloudHasOnePointAPixelInLeftAxesForEitherReference) {

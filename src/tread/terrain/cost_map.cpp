@@ -1,9 +1,44 @@
 #include "tread/terrain/cost_map.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 namespace tread {
+namespace {
+
+constexpr double kMostWindowCells = 500.0;
+constexpr double kMostRadiusCells = 2000.0;
+
+CellRect only(Cell c) {
+  return {c, {c.x + 1, c.y + 1}};
+}
+
+bool costs_rise(const Knots& knots) {
+  double before = 0.0;
+  for (const auto& knot : knots) {
+    if (knot[1] < before) return false;
+    before = knot[1];
+  }
+  return true;
+}
+
+// The cells that a disc may touch.
+CellRect cells_around(const Obstacle& disc, double resolution_m) {
+  const GridGeometry geometry{resolution_m, {0.0, 0.0}, 0, 0};
+  const Eigen::Vector2d reach = Eigen::Vector2d::Constant(disc.radius_m);
+  const Cell low = geometry.cell_at(disc.centre - reach);
+  const Cell high = geometry.cell_at(disc.centre + reach);
+  return {low, {high.x + 1, high.y + 1}};
+}
+
+// Farther away cells cannot be numbered.
+bool is_near(const Eigen::Vector2d& place, double resolution_m) {
+  return place.allFinite() && place.cwiseAbs().maxCoeff() < 1e9 * resolution_m;
+}
+
+}  // namespace
 
 OptionSet describe(CostOptions& options) {
   OptionSet set;
@@ -13,7 +48,18 @@ OptionSet describe(CostOptions& options) {
   set.add("window_m", options.window_m, "side of the square that is averaged over, m", 0.001,
           100.0);
   set.add("cells_per_side", options.cells_per_side, "ground cells along a cost cell", 1, 64);
+  set.require({"knots"}, "costs must be 0 or more and must not fall as the ground gets rougher",
+              [&options] { return costs_rise(options.knots); });
+  set.require({"unexplored_cost", "knots"}, "unexplored ground must not cost less than good ground",
+              [&options] {
+                return options.knots.empty() || options.unexplored_cost >= options.knots[0][1];
+              });
   return set;
+}
+
+bool covers_ground(const CostOptions& options, double ground_resolution_m) {
+  const double cells = options.window_m / ground_resolution_m;
+  return cells >= options.cells_per_side - 1e-9 && cells <= kMostWindowCells + 1e-9;
 }
 
 double interpolate(const Knots& knots, double x) {
@@ -27,8 +73,11 @@ double interpolate(const Knots& knots, double x) {
   return knots.back()[1];
 }
 
-CostMap::CostMap(const CostOptions& options, double ground_resolution_m)
-    : options_(options), ground_resolution_m_(ground_resolution_m) {
+CostMap::CostMap(const CostOptions& options, double ground_resolution_m, int max_grid_mib)
+    : options_(options),
+      ground_resolution_m_(ground_resolution_m),
+      max_grid_cells_((std::int64_t{max_grid_mib} << 20) /
+                      static_cast<std::int64_t>(sizeof(float))) {
   const double centre = 0.5 * options_.cells_per_side;
   const double half = 0.5 * options_.window_m / ground_resolution_m_;
   first_offset_ = static_cast<int>(std::floor(centre - half + 1e-9));
@@ -49,10 +98,8 @@ CellRect CostMap::window_cells(Cell ground) const {
   return {{low(ground.x), low(ground.y)}, {high(ground.x), high(ground.y)}};
 }
 
-void CostMap::extend_bounds(Cell cell) {
-  if (bounds_.empty()) bounds_ = {cell, cell};
-  bounds_.first = {std::min(bounds_.first.x, cell.x), std::min(bounds_.first.y, cell.y)};
-  bounds_.last = {std::max(bounds_.last.x, cell.x + 1), std::max(bounds_.last.y, cell.y + 1)};
+bool CostMap::has_room_for(const CellRect& bounds) const {
+  return bounds_.united(bounds).size() <= max_grid_cells_;
 }
 
 void CostMap::update(const GlobalMap& ground, std::span<const Cell> changes,
@@ -122,25 +169,23 @@ void CostMap::refresh(const GlobalMap& ground, const CellRect& block) {
       }
       cost.stale = false;
       cost.ground = static_cast<float>(sum / total_weight);
-      extend_bounds(cell);
+      bounds_ = bounds_.united(only(cell));
     }
   }
 }
 
 void CostMap::raise(const Obstacle& obstacle, bool clear) {
   const GridGeometry geometry{resolution_m(), {0.0, 0.0}, 0, 0};
-  const Eigen::Vector2d reach = Eigen::Vector2d::Constant(obstacle.radius_m);
-  const Cell low = geometry.cell_at(obstacle.centre - reach);
-  const Cell high = geometry.cell_at(obstacle.centre + reach);
+  const CellRect around = cells_around(obstacle, resolution_m());
   const double half = 0.5 * resolution_m();
-  for (int y = low.y; y <= high.y; ++y) {
-    for (int x = low.x; x <= high.x; ++x) {
+  for (int y = around.first.y; y < around.last.y; ++y) {
+    for (int x = around.first.x; x < around.last.x; ++x) {
       // Distance from the centre of the disc to the nearest point of the cell.
       const Eigen::Vector2d offset =
           (obstacle.centre - geometry.centre({x, y})).cwiseAbs() - Eigen::Vector2d::Constant(half);
       if (offset.cwiseMax(0.0).norm() > obstacle.radius_m) continue;
       CostCell& cell = cells_.touch({x, y});
-      extend_bounds({x, y});
+      bounds_ = bounds_.united(only({x, y}));
       cell.obstacle = clear ? 0.0F : std::max(cell.obstacle, static_cast<float>(obstacle.cost));
     }
   }
@@ -148,11 +193,24 @@ void CostMap::raise(const Obstacle& obstacle, bool clear) {
 
 Status CostMap::set_obstacles(ObstacleList list, std::vector<Obstacle> obstacles) {
   for (const Obstacle& disc : obstacles) {
-    const bool sound = disc.centre.allFinite() && disc.centre.cwiseAbs().maxCoeff() < 1e7 &&
-                       disc.radius_m >= 0.0 && disc.radius_m <= 100.0 && disc.cost >= 0.0;
+    const bool sound = is_near(disc.centre, resolution_m()) && disc.radius_m >= 0.0 &&
+                       disc.radius_m <= 100.0 &&
+                       disc.radius_m <= kMostRadiusCells * resolution_m() && disc.cost >= 0.0;
     if (sound) continue;
     return fail(ErrorCode::kBadValue, "a disc with a centre, radius or cost that cannot be",
-                "obstacles", "Give finite centres, radii of 0 to 100 m, costs of 0 or more");
+                "obstacles",
+                "Give finite centres, radii of 0 to 100 m and 2000 cells, costs of 0 or more");
+  }
+  CellRect reached;
+  for (const Obstacle& disc : obstacles) {
+    reached = reached.united(cells_around(disc, resolution_m()));
+    if (has_room_for(reached)) continue;
+    return fail(ErrorCode::kTooLarge,
+                fmt::format("a disc at ({:g}, {:g}) is so far from the map that a grid with both "
+                            "would take more than {} MiB",
+                            disc.centre.x(), disc.centre.y(),
+                            max_grid_cells_ * static_cast<std::int64_t>(sizeof(float)) >> 20),
+                "obstacles", "Leave out what is far away");
   }
   for (const Obstacle& old : obstacles_[list]) raise(old, true);
   obstacles_[list] = std::move(obstacles);
@@ -163,8 +221,22 @@ Status CostMap::set_obstacles(ObstacleList list, std::vector<Obstacle> obstacles
   return {};
 }
 
+bool CostMap::can_reach(const Eigen::Vector2d& place) const {
+  return is_near(place, resolution_m()) &&
+         has_room_for(only(GridGeometry{resolution_m(), {0.0, 0.0}, 0, 0}.cell_at(place)));
+}
+
 void CostMap::reach(const Eigen::Vector2d& place) {
-  extend_bounds(GridGeometry{resolution_m(), {0.0, 0.0}, 0, 0}.cell_at(place));
+  if (!can_reach(place)) return;
+  bounds_ = bounds_.united(only(GridGeometry{resolution_m(), {0.0, 0.0}, 0, 0}.cell_at(place)));
+}
+
+void CostMap::clear() {
+  cells_ = {};
+  bounds_ = {};
+  for (const auto& [list, discs] : obstacles_) {
+    for (const Obstacle& disc : discs) raise(disc, false);
+  }
 }
 
 float CostMap::at(Cell cell) const {

@@ -17,12 +17,16 @@ struct CostOptions {
   // Cost over squared derivative (m^2), constant beyond the ends. The first three knots are METHODS
   // 8.2 (flat up to a 5 cm step, 100 at 20 cm); the fourth says that a step of 30 cm is beyond any
   // rover: averaging dilutes thin obstacles, and without it a post would look like rough grass.
+  // Costs are 0 or more and do not fall.
   Knots knots = {{{0.04, 1.0}}, {{0.16, 20.0}}, {{0.64, 100.0}}, {{1.44, 1000.0}}};
-  double unexplored_cost = 5.0;  // of ground without derivative: above good ground's
+  double unexplored_cost = 5.0;  // of ground without derivative: not below good ground's
   double window_m = 1.2;         // side of the square that is averaged over; paper R: 1.2
   int cells_per_side = 3;        // a cost cell is this many ground cells wide; paper R: 0.3 / 0.1
 };
 [[nodiscard]] OptionSet describe(CostOptions& options);
+// What must hold between these and the side of a ground cell: windows leave no gaps between them,
+// in which an obstacle would not be seen, and are at most 500 cells wide.
+[[nodiscard]] bool covers_ground(const CostOptions& options, double ground_resolution_m);
 
 // Piecewise-linear, constant before the first and after the last knot. Paper R, Fig. 4.
 [[nodiscard]] double interpolate(const Knots& knots, double x);
@@ -37,19 +41,28 @@ enum class ObstacleList { kBump, kSlip, kForbidden };
 
 class CostMap {
  public:
-  explicit CostMap(const CostOptions& options = {}, double ground_resolution_m = 0.1);
+  // grid() takes at most max_grid_mib, 4 bytes a cell: places and obstacles that would make it
+  // larger are refused. The ground itself is bounded by the GlobalMap.
+  explicit CostMap(const CostOptions& options = {}, double ground_resolution_m = 0.1,
+                   int max_grid_mib = 2048);
 
   // Brings the costs up to date after the derivative of these ground cells changed. Equal to the
   // bit to computing the whole map anew. Cost: O(cells near the changes).
   void update(const GlobalMap& ground, std::span<const Cell> changes, const Context& context = {});
 
   // Replaces one of the lists. A cell that a disc touches costs at least the disc's cost. Discs
-  // that cannot be (not finite, radius beyond 100 m) are refused and the list stays as it was.
+  // that cannot be (not finite, radius beyond 100 m or 2000 cells, so far away that grid() would be
+  // too large) are refused and the list stays as it was.
   [[nodiscard]] Status set_obstacles(ObstacleList list, std::vector<Obstacle> obstacles);
 
   // Makes grid() reach over this place, known or not: where the robot stands is part of its map
-  // even if its cameras cannot see it.
+  // even if its cameras cannot see it. Does nothing where can_reach() says no: the place is not
+  // finite, or so far away that grid() would be too large.
   void reach(const Eigen::Vector2d& place);
+  [[nodiscard]] bool can_reach(const Eigen::Vector2d& place) const;
+
+  // Forgets the ground and the places reached; the lists of obstacles stay.
+  void clear();
 
   // NaN where nothing is known within the window: the planner's unexplored.
   [[nodiscard]] float at(Cell cell) const;
@@ -71,10 +84,11 @@ class CostMap {
   [[nodiscard]] CellRect window_cells(Cell ground) const;
   void refresh(const GlobalMap& ground, const CellRect& block);
   void raise(const Obstacle& obstacle, bool clear);
-  void extend_bounds(Cell cell);
+  [[nodiscard]] bool has_room_for(const CellRect& bounds) const;
 
   CostOptions options_;
   double ground_resolution_m_;
+  std::int64_t max_grid_cells_;
   // Along one axis: how much of each ground cell lies in the window around the centre of a cost
   // cell. The first belongs to ground cell cells_per_side * X + first_offset_. Paper R's window is
   // 12 ground cells around the middle of one: 13 weights, the outer two half.

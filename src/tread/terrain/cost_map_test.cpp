@@ -227,5 +227,69 @@ TEST(CostMap, LayerSaysWhatUnexploredCosts) {
   EXPECT_FALSE(std::isnan(kNan) && layers.find("cost")->grid.values.empty());
 }
 
+TEST(CostMap, PlacesAndDiscsThatWouldMakeTheGridTooLargeAreLeftOut) {
+  GlobalMap map = uniform_map(0.0F);
+  CostMap costs({}, 0.1, 1);  // 262144 cells
+  costs.update(map, map.take_changes());
+  const GridGeometry before = costs.grid().geometry;
+  for (const Eigen::Vector2d& place :
+       {Eigen::Vector2d(1e7, 1e7), Eigen::Vector2d(std::nan(""), 0.0), Eigen::Vector2d(1e300, 0.0),
+        Eigen::Vector2d(200.0, 200.0)}) {
+    EXPECT_FALSE(costs.can_reach(place)) << place.transpose();
+    costs.reach(place);
+    EXPECT_EQ(costs.grid().geometry, before);
+  }
+  EXPECT_TRUE(costs.can_reach({50.0, 0.0}));
+  const Status refused =
+      costs.set_obstacles(ObstacleList::kBump, {{{0.0, 0.0}, 0.5, 9.0}, {{1e6, 1e6}, 0.5, 9.0}});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kTooLarge);
+  EXPECT_NE(refused.error().what.find("(1e+06, 1e+06)"), std::string::npos);
+  EXPECT_EQ(costs.at({0, 0}), 1.0F) << "the list stays as it was";
+  // Two discs that are each alone in reach, but not together.
+  CostMap alone({}, 0.1, 1);
+  EXPECT_TRUE(alone.set_obstacles(ObstacleList::kBump, {{{1e6, 1e6}, 0.5, 9.0}}));
+  EXPECT_FALSE(alone.set_obstacles(ObstacleList::kSlip, {{{-1e6, 0.0}, 0.5, 9.0}}));
+}
+
+TEST(CostMap, ClearForgetsTheGroundAndKeepsTheObstacles) {
+  GlobalMap map = uniform_map(0.0F);
+  CostMap costs = costs_of(map);
+  ASSERT_TRUE(costs.set_obstacles(ObstacleList::kBump, {{{1.35, 0.15}, 0.1, 70.0}}));
+  costs.clear();
+  EXPECT_EQ(costs.grid().values.size(), 1U);
+  EXPECT_EQ(costs.at({4, 0}), 70.0F);
+  ASSERT_TRUE(costs.set_obstacles(ObstacleList::kBump, {}));
+  EXPECT_TRUE(std::isnan(costs.at({0, 0})));
+}
+
+TEST(CostOptions, WindowsLeaveNoGroundBetweenThemAndAreBounded) {
+  CostOptions options;
+  EXPECT_TRUE(covers_ground(options, 0.1));
+  options.window_m = 0.3;
+  EXPECT_TRUE(covers_ground(options, 0.1)) << "just as wide as a cell";
+  options.window_m = 0.29;
+  EXPECT_FALSE(covers_ground(options, 0.1));
+  options.window_m = 1.2;
+  EXPECT_TRUE(covers_ground(options, 0.0024));
+  EXPECT_FALSE(covers_ground(options, 0.001));
+}
+
+TEST(CostOptions, CostsThatFallOrAreNegativeAreRefused) {
+  CostOptions options;
+  EXPECT_TRUE(check_options(options));
+  options.knots = {{{0.0, 1.0}}, {{1.0, 5.0}}, {{2.0, 5.0}}};
+  EXPECT_TRUE(check_options(options)) << "level is not falling";
+  options.knots[2][1] = 4.0;
+  EXPECT_EQ(check_options(options).error().where, "knots");
+  options.knots = {{{0.0, -1.0}}, {{1.0, 5.0}}};
+  EXPECT_EQ(check_options(options).error().where, "knots");
+  options.knots.clear();
+  EXPECT_EQ(check_options(options).error().where, "knots");
+  options = {};
+  options.unexplored_cost = 0.9;
+  EXPECT_EQ(check_options(options).error().where, "unexplored_cost, knots");
+}
+
 }  // namespace
 }  // namespace tread

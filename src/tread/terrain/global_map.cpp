@@ -12,13 +12,10 @@ namespace {
 
 constexpr double kFarthestCells = 1e9;  // keeps cell numbers within 32 bits
 
-void include(CellRect& bounds, Cell c) {
-  if (bounds.empty()) {
-    bounds = {c, {c.x + 1, c.y + 1}};
-    return;
-  }
-  bounds.first = {std::min(bounds.first.x, c.x), std::min(bounds.first.y, c.y)};
-  bounds.last = {std::max(bounds.last.x, c.x + 1), std::max(bounds.last.y, c.y + 1)};
+constexpr std::int64_t kBytesPerCell = 3 * sizeof(float);  // the three layers
+
+CellRect only(Cell c) {
+  return {c, {c.x + 1, c.y + 1}};
 }
 
 // The rectangle of world cells that a turned local map covers.
@@ -56,14 +53,27 @@ Status check_input(const Grid<float>& height, const Grid<float>& derivative, con
   return {};
 }
 
+Status check_growth(const CellRect& grown, int max_map_mib) {
+  constexpr std::int64_t kMiB = 1 << 20;
+  if (grown.size() <= max_map_mib * kMiB / kBytesPerCell) return {};
+  return fail(ErrorCode::kTooLarge,
+              fmt::format("the map would grow to {} x {} cells, {} MiB; global.max_map_mib is {}",
+                          std::int64_t{grown.last.x} - grown.first.x,
+                          std::int64_t{grown.last.y} - grown.first.y,
+                          grown.size() / (kMiB / kBytesPerCell), max_map_mib),
+              "terrain", "Check the poses; raise it, or use larger cells, if they are right");
+}
+
 }  // namespace
 
 OptionSet describe(GlobalMapOptions& options) {
   OptionSet set;
-  set.add("alpha", options.alpha, "weight of a new derivative in the low-pass", 0.0, 1.0);
+  set.add("alpha", options.alpha, "weight of a new derivative in the low-pass", 0.001, 1.0);
   set.add_choice(
       "first", options.first, "a cell's first derivative: low-passed from 0, or copied",
       {{"filter", GlobalMapOptions::First::kFilter}, {"copy", GlobalMapOptions::First::kCopy}});
+  set.add("max_map_mib", options.max_map_mib,
+          "most that the layers of the map may take, MiB at 12 bytes a cell", 1, 1 << 20);
   return set;
 }
 
@@ -84,6 +94,7 @@ Status GlobalMap::integrate(const Grid<float>& height, const Grid<float>& deriva
   const ScopedTimer timer(context, "terrain/global");
   const GridGeometry& local = height.geometry;
   const CellRect covered = covered_cells(local, pose, resolution_m_);
+  if (Status ok = check_growth(bounds_.united(covered), options.max_map_mib); !ok) return ok;
   const double c = std::cos(pose.yaw_rad), s = std::sin(pose.yaw_rad);
   const auto alpha = static_cast<float>(options.alpha);
   for (int y = covered.first.y; y < covered.last.y; ++y) {
@@ -93,7 +104,7 @@ Status GlobalMap::integrate(const Grid<float>& height, const Grid<float>& deriva
       const Cell from = local.cell_at({c * wx + s * wy, -s * wx + c * wy});
       if (!local.contains(from) || std::isnan(height[from])) continue;
       GroundCell& ground = cells_.touch({x, y});
-      include(bounds_, {x, y});
+      bounds_ = bounds_.united(only({x, y}));
       ground.height_m = height[from] + static_cast<float>(pose.position.z());
       const float measured = derivative[from];
       if (std::isnan(measured)) continue;
@@ -163,6 +174,14 @@ Result<GlobalMap> GlobalMap::from_layers(const MapLayers& layers) {
     return fail(ErrorCode::kBadFormat, "the layers 'height' and 'derivative' have different cells",
                 "map", "Give layers of one geometry");
   }
+  const Eigen::Vector2d end =
+      geometry.origin + geometry.resolution_m * Eigen::Vector2d(geometry.columns, geometry.rows);
+  const double farthest = kFarthestCells * geometry.resolution_m;
+  if (!(geometry.resolution_m > 0.0) || !(geometry.origin.cwiseAbs().maxCoeff() <= farthest) ||
+      !(end.cwiseAbs().maxCoeff() <= farthest)) {
+    return fail(ErrorCode::kBadValue, "the layers lie more than 1e9 cells from the origin", "map",
+                "Give a map that 'tread map' has written");
+  }
   GlobalMap map(geometry.resolution_m);
   const Cell first{static_cast<int>(std::lround(geometry.origin.x() / geometry.resolution_m)),
                    static_cast<int>(std::lround(geometry.origin.y() / geometry.resolution_m))};
@@ -172,7 +191,7 @@ Result<GlobalMap> GlobalMap::from_layers(const MapLayers& layers) {
       if (std::isnan(h)) continue;
       const Cell cell{first.x + x, first.y + y};
       GroundCell& ground = map.cells_.touch(cell);
-      include(map.bounds_, cell);
+      map.bounds_ = map.bounds_.united(only(cell));
       ground.height_m = h;
       if (std::isnan(d)) continue;
       ground.derivative = d;

@@ -16,10 +16,14 @@
 namespace tread {
 
 struct GlobalMapOptions {
-  double alpha = 0.5;  // weight of a new measurement: v <- (1 - alpha) v + alpha m; paper R: 0.5
+  double alpha = 0.5;  // weight of a new measurement: v <- (1 - alpha) v + alpha m; paper R: 0.5;
+                       // above 0: what is never taken in would make all ground flat
   // What the first measurement of a cell does: take part in the low-pass with v = 0, as the formula
   // says, so that one spurious hit counts half; or be taken as it is.
   enum class First { kFilter, kCopy } first = First::kFilter;
+  // What layers() may take, MiB at 12 bytes a cell of the rectangle around everything known: one
+  // pose far away would need all the memory there is. 2048: 1.8 square kilometres at 0.1 m.
+  int max_map_mib = 2048;
 };
 [[nodiscard]] OptionSet describe(GlobalMapOptions& options);
 
@@ -47,8 +51,8 @@ class GlobalMap {
   // Turns a local map and its derivative by the yaw, shifts them into the world and takes them in:
   // heights overwrite, derivatives are low-passed. Every global cell below the local map takes the
   // local cell that its centre falls into, so that turning leaves no gaps. Errors: a pose that is
-  // not finite or 1e9 cells from the origin, maps of different geometry or another resolution; the
-  // map then stays as it was.
+  // not finite or 1e9 cells from the origin, maps of different geometry or another resolution, and
+  // kTooLarge where the map would outgrow max_map_mib; the map then stays as it was.
   [[nodiscard]] Status integrate(const Grid<float>& height, const Grid<float>& derivative,
                                  const LevelPose& pose, const GlobalMapOptions& options,
                                  const Context& context = {});
@@ -67,7 +71,8 @@ class GlobalMap {
   // of, because small errors of attitude between frames become steps. Over bounds(), as the local.
   [[nodiscard]] Grid<float> derivative_of_heights() const;
 
-  // Layers "height", "derivative", "explored" (0 or 1) over bounds(), for files and pictures.
+  // Layers "height", "derivative", "explored" (0 or 1) over bounds(), for files and pictures. At
+  // most as large as max_map_mib allowed integrate() to let it grow.
   [[nodiscard]] MapLayers layers() const;
   // The map that layers() came from; all cells count as changed. Errors name the missing layer.
   [[nodiscard]] static Result<GlobalMap> from_layers(const MapLayers& layers);

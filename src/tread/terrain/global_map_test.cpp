@@ -222,5 +222,49 @@ TEST(PaperR, PitchErrorsGiveFalseDerivativesOnTheGlobalMapOnly) {
   EXPECT_GT(false_alarms, 100);
 }
 
+TEST(GlobalMap, GrowsNoLargerThanItsLimitAndStaysAsItWasBeyond) {
+  GlobalMap map;
+  GlobalMapOptions options;
+  options.max_map_mib = 1;  // 87381 cells of 12 bytes
+  const Local local = uniform(0.1F, 0.0F);
+  ASSERT_TRUE(map.integrate(local.height, local.derivative, {}, options));
+  const CellRect before = map.bounds();
+  const Status far = map.integrate(local.height, local.derivative, {{1e7, 0, 0}, 0.0}, options);
+  ASSERT_FALSE(far);
+  EXPECT_EQ(far.error().code, ErrorCode::kTooLarge);
+  EXPECT_NE(far.error().what.find("global.max_map_mib is 1"), std::string::npos);
+  EXPECT_EQ(map.bounds(), before);
+  // 87381 / 121 rows: 722 columns; the local map has 60 of its own.
+  EXPECT_TRUE(map.integrate(local.height, local.derivative, {{65.0, 0, 0}, 0.0}, options));
+  EXPECT_FALSE(map.integrate(local.height, local.derivative, {{67.0, 0, 0}, 0.0}, options));
+  EXPECT_LE(map.bounds().size() * 12, 1 << 20);
+  // The corners of what cells can be numbered: the size of it fits no 32 bits.
+  GlobalMap wide;
+  ASSERT_TRUE(wide.integrate(local.height, local.derivative, {{-9e7, -9e7, 0}, 0.0}, {}));
+  EXPECT_EQ(wide.integrate(local.height, local.derivative, {{9e7, 9e7, 0}, 0.0}, {}).error().code,
+            ErrorCode::kTooLarge);
+}
+
+TEST(GlobalMap, LayersThatLieNowhereAreRefused) {
+  MapLayers layers;
+  for (const char* name : {"height", "derivative"}) {
+    layers.layers.push_back({name, "", "", Grid<float>(GridGeometry{0.1, {0, 0}, 2, 2}, 0.0F)});
+  }
+  ASSERT_TRUE(GlobalMap::from_layers(layers));
+  for (const GridGeometry& geometry :
+       {GridGeometry{0.1, {1e300, 0}, 2, 2}, GridGeometry{0.1, {0, -2e8}, 2, 2},
+        GridGeometry{0.1, {std::nan(""), 0}, 2, 2}, GridGeometry{0.0, {0, 0}, 2, 2},
+        GridGeometry{1e-300, {1, 0}, 2, 2}}) {
+    for (MapLayer& layer : layers.layers) layer.grid.geometry = geometry;
+    EXPECT_FALSE(GlobalMap::from_layers(layers)) << geometry.origin.transpose();
+  }
+}
+
+TEST(GlobalMapOptions, WhatNeverTakesAMeasurementInIsRefused) {
+  GlobalMapOptions options;
+  options.alpha = 0.0;
+  EXPECT_EQ(check_options(options).error().where, "alpha");
+}
+
 }  // namespace
 }  // namespace tread

@@ -24,17 +24,28 @@ GridGeometry local_geometry(const LocalMapOptions& options) {
 
 }  // namespace
 
+bool local_map_fits(double resolution_m, double range_m, double behind_m) {
+  constexpr double kMostCells = double{1 << 30} / 24.0;
+  return (range_m + behind_m) / resolution_m * (2.0 * range_m / resolution_m) <= kMostCells;
+}
+
 OptionSet describe(LocalMapOptions& options) {
   OptionSet set;
   set.add("resolution_m", options.resolution_m, "side of a cell, m", 0.001, 10.0);
-  set.add("range_m", options.range_m, "reach ahead, left and right, m", 0.01, 1000.0);
-  set.add("behind_m", options.behind_m, "reach behind, m", 0.0, 1000.0);
+  set.add("range_m", options.range_m, "reach ahead, left and right, m", 0.01, 1e4);
+  set.add("behind_m", options.behind_m, "reach behind, m", 0.0, 1e4);
   set.add("min_points", options.min_points, "points that a known cell has at least", 1, 1000);
   set.add_choice(
       "height", options.height, "height of a cell: mean or maximum of its points",
       {{"mean", LocalMapOptions::Height::kMean}, {"max", LocalMapOptions::Height::kMax}});
   set.add("max_height_m", options.max_height_m, "points higher than this are left out, m");
   set.add("min_height_m", options.min_height_m, "points lower than this are left out, m");
+  set.require({"min_height_m", "max_height_m"}, "the lowest must be less than the highest",
+              [&options] { return options.min_height_m < options.max_height_m; });
+  set.require({"resolution_m", "range_m", "behind_m"},
+              "a local map must take at most 1 GiB, 24 bytes a cell", [&options] {
+                return local_map_fits(options.resolution_m, options.range_m, options.behind_m);
+              });
   return set;
 }
 

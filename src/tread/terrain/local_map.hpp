@@ -23,9 +23,11 @@ struct LocalMapOptions {
   enum class Height { kMean, kMax } height = Height::kMean;
   double max_height_m = 3.0;  // points higher above the levelled origin are left out: what a robot
                               // can pass below
-  double min_height_m = -10.0;
+  double min_height_m = -10.0;  // and lower than this; below max_height_m
 };
 [[nodiscard]] OptionSet describe(LocalMapOptions& options);
+// Whether a local map of these cells and reach takes at most 1 GiB, 24 bytes a cell.
+[[nodiscard]] bool local_map_fits(double resolution_m, double range_m, double behind_m);
 
 // R_level_body for an attitude: Ry(pitch) Rx(roll) of T_world_body, its yaw left out (Eq. 1).
 [[nodiscard]] Eigen::Matrix3d R_level_body(const Eigen::Matrix3d& R_world_body);

@@ -158,5 +158,22 @@ TEST(PaperR, NoDerivativeAtTheBorderOfTheKnownAreaNorAroundAHole) {
   }
 }
 
+TEST(LocalMapOptions, ContradictionsAndMapsBeyondAllMemoryAreRefused) {
+  LocalMapOptions options;
+  EXPECT_TRUE(check_options(options));
+  options.min_height_m = options.max_height_m;
+  EXPECT_EQ(check_options(options).error().where, "min_height_m, max_height_m");
+  options = {};
+  options.max_height_m = std::nan("");
+  EXPECT_EQ(check_options(options).error().where, "max_height_m");
+  options = {};
+  options.range_m = 460.0;  // 4600 x 9200 cells of 24 bytes: 0.95 GiB
+  EXPECT_TRUE(check_options(options));
+  options.behind_m = 460.0;
+  EXPECT_EQ(check_options(options).error().where, "resolution_m, range_m, behind_m");
+  options.resolution_m = 0.2;
+  EXPECT_TRUE(check_options(options));
+}
+
 }  // namespace
 }  // namespace tread

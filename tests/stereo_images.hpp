@@ -1,4 +1,4 @@
-// Images that the tests of this module make themselves.
+// Images that the tests of stereo make themselves.
 #pragma once
 
 #include <algorithm>
