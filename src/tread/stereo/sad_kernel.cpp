@@ -13,6 +13,9 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "tread/stereo/lanes-inl.hpp"
+#include "tread/stereo/winners-inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace tread::HWY_NAMESPACE {
 namespace {
@@ -23,20 +26,6 @@ void match_rows_here(const SadImages& images, const SadOptions& options, int fir
   match_rows_plain(images, options, first, last, disparity);
 }
 #else
-namespace hn = hwy::HWY_NAMESPACE;
-
-using U8 = hn::ScalableTag<std::uint8_t>;
-using I8 = hn::RebindToSigned<U8>;
-using I16 = hn::ScalableTag<std::int16_t>;
-using U16 = hn::ScalableTag<std::uint16_t>;
-using U32 = hn::ScalableTag<std::uint32_t>;
-using I32 = hn::ScalableTag<std::int32_t>;
-using F32 = hn::ScalableTag<float>;
-using Bytes = hn::Vec<U8>;
-using Words = hn::Vec<I16>;
-
-constexpr int kLanes = static_cast<int>(hn::MaxLanes(U8()));  // disparities of a vector of bytes
-constexpr int kMaxVectors = 1024 / kLanes;                    // kMaxDisparity of them
 constexpr int kBlock = 16;                // pixels scanned before the results are looked at
 constexpr int kCostGuard = 32;            // behind each pixel's costs: a vector's alignment
 constexpr std::int16_t kNoCost = 0x7FFF;  // above every sum
@@ -46,83 +35,6 @@ constexpr std::int16_t kNoCost = 0x7FFF;  // above every sum
 constexpr int cost_place(int d) {
   return d / kLanes * kLanes + (d / 8 % 2) * (kLanes / 2) + d % kLanes / 16 * 8 + d % 8;
 }
-
-HWY_INLINE Words widen_lower(Bytes v) {
-  return BitCast(I16(), InterleaveLower(U8(), v, Zero(U8())));
-}
-HWY_INLINE Words widen_upper(Bytes v) {
-  return BitCast(I16(), InterleaveUpper(U8(), v, Zero(U8())));
-}
-
-// Undoes the widening; what is above 255 becomes 255.
-HWY_INLINE Bytes narrow(Words lower, Words upper) {
-#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
-  return Bytes{_mm512_packus_epi16(lower.raw, upper.raw)};
-#elif HWY_TARGET == HWY_AVX2
-  return Bytes{_mm256_packus_epi16(lower.raw, upper.raw)};
-#elif HWY_ARCH_X86
-  return Bytes{_mm_packus_epi16(lower.raw, upper.raw)};
-#else
-  const hn::Half<U8> half;
-  return Combine(U8(), DemoteTo(half, upper), DemoteTo(half, lower));
-#endif
-}
-
-// The least of all lanes, none negative, in lane 0.
-template <class D, class V>
-HWY_INLINE auto least_of(D d, V v) {
-  if constexpr (hn::MaxLanes(D()) > 8) {
-    const hn::Half<D> half;
-    return least_of(half, Min(LowerHalf(half, v), UpperHalf(half, v)));
-  } else {
-#if HWY_ARCH_X86 && HWY_TARGET <= HWY_SSE4
-    return V{_mm_minpos_epu16(v.raw)};
-#else
-    return MinOfLanes(d, v);
-#endif
-  }
-}
-
-// Lane 0 of a vector of eight in every lane.
-template <class V>
-HWY_INLINE Words spread_word(V v) {
-#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
-  return Words{_mm512_broadcastw_epi16(v.raw)};
-#elif HWY_TARGET == HWY_AVX2
-  return Words{_mm256_broadcastw_epi16(v.raw)};
-#else
-  return hn::Broadcast<0>(v);
-#endif
-}
-
-// Of bits of which at least one is set.
-HWY_INLINE std::uint32_t lowest_bit(std::uint64_t bits) {
-  return static_cast<std::uint32_t>(hwy::Num0BitsBelowLS1Bit_Nonzero64(bits));
-}
-
-HWY_INLINE std::uint64_t bits_of(hn::Mask<U8> mask) {
-  std::uint64_t bits = 0;
-  StoreMaskBits(U8(), mask, reinterpret_cast<std::uint8_t*>(&bits));
-  return bits;
-}
-
-// The lanes of a that are at most b.
-HWY_INLINE std::uint64_t bits_at_most(Bytes a, Bytes b) {
-#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
-  return ~bits_of(Gt(a, b));  // all 64 bits are lanes
-#else
-  return bits_of(Eq(Min(a, b), a));
-#endif
-}
-
-// What the columns of one row leave for its second pass.
-struct PixelResult {
-  std::uint32_t winner;      // its cost << 16 | its index: disparity - min_disparity
-  std::uint32_t neighbours;  // cost of one disparity less | of one more << 16, kNoCost where the
-                             // range ends; kAmbiguous besides if others are nearly as cheap
-};
-constexpr std::uint32_t kAmbiguous = 0x80000000U;
-constexpr std::uint32_t kIndexMask = 0xFFFFU;
 
 // Matches the rows of a band. Column: what holds a column's sum over the rows of the window, 8 bits
 // if that is enough, else 16.
@@ -413,15 +325,6 @@ class Band {
     return count != own_count(limit, before, behind);
   }
 
-  // A pixel of the other image belongs to the cheapest of those that chose it, of equal ones to the
-  // one with the smaller disparity. `zero` is the one at no disparity.
-  static HWY_INLINE void claim(std::uint32_t* zero, std::uint32_t winner) {
-    std::uint32_t& owner = *(zero - (winner & kIndexMask));
-    // The lesser of both. A compiler that sees a minimum moves both through vector registers.
-    const std::int64_t less = std::int64_t{winner} - std::int64_t{owner};
-    owner += static_cast<std::uint32_t>(less & (less >> 63));
-  }
-
   // Pixels first to last - 1, in short blocks: first the scans, each a long chain of dependent
   // instructions, then what hangs on their results.
   template <bool kMasked, int kVectors>
@@ -499,71 +402,18 @@ class Band {
   void finish_row(Disparity* out) const {
     const int begin = first_pixel();
     std::fill(out, out + begin, kNoMatch);
-    refine(begin, out);
+    RefineJob job;
+    job.begin = begin;
+    job.width = width_;
+    job.no_cost = kNoCost;
+    job.min_disparity_px = options_.min_disparity_px;
+    job.sub_pixel = options_.sub_pixel;
+    job.sub_pixel_steps = options_.sub_pixel_steps;
+    job.strict_sub_pixel = options_.strict_sub_pixel;
+    job.check_unique = options_.uniqueness_percent > 0;
+    job.left_right_tolerance_px = options_.left_right_tolerance_px;
+    refine(pixels_, owner_, job, out);
     if (images_.mirrored) std::reverse(out, out + width_);
-  }
-
-  // The disparities below the pixel: n / m of a step, rounded to the nearest, half to even. Both
-  // are small enough integers that a float's quotient never rounds to another step than the true
-  // one.
-  void refine(int begin, Disparity* out) const {
-    const F32 f32;
-    const I32 i32;
-    const hn::Rebind<std::uint16_t, I32> u16;
-    const int lanes = static_cast<int>(Lanes(i32));
-    const auto no_cost = Set(i32, kNoCost);
-    const auto low = Set(i32, 0xFFFF);
-    const auto one = Set(i32, 1);
-    const auto steps = Set(f32, static_cast<float>(options_.sub_pixel_steps));
-    const auto scale = Set(f32, static_cast<float>(kDisparityScale));
-    const auto min_disparity = Set(i32, options_.min_disparity_px);
-    const auto tolerance = Set(i32, options_.left_right_tolerance_px);
-    const auto last_column = Set(i32, width_ - 1);
-    const bool strict = options_.strict_sub_pixel;
-    const bool check_unique = options_.uniqueness_percent > 0;
-    const bool check_back = options_.left_right_tolerance_px >= 0;
-    const SubPixel sub_pixel = options_.sub_pixel;
-    HWY_ALIGN Disparity last[hn::MaxLanes(I32())];
-    auto zero = Sub(Iota(i32, begin), min_disparity);  // the column at no disparity
-    for (int x = begin; x < width_; x += lanes) {
-      hn::Vec<U32> winner, neighbours;
-      LoadInterleaved2(U32(), &pixels_[x].winner, winner, neighbours);
-      const auto c = BitCast(i32, hn::ShiftRight<16>(winner));
-      const auto index = And(BitCast(i32, winner), low);
-      const auto l = And(BitCast(i32, neighbours), low);
-      const auto r = And(BitCast(i32, hn::ShiftRight<16>(neighbours)), no_cost);
-      const auto inside = And(Ne(l, no_cost), Ne(r, no_cost));
-      auto divisor = Zero(i32);
-      if (sub_pixel == SubPixel::kSymmetricV) divisor = Sub(Max(l, r), c);
-      if (sub_pixel == SubPixel::kParabola) divisor = Sub(Add(l, r), Add(c, c));
-      const auto refined = And(inside, Gt(divisor, Zero(i32)));
-      const auto m = ConvertTo(f32, IfThenElse(refined, Add(divisor, divisor), one));
-      const auto n = ConvertTo(f32, IfThenElseZero(refined, Sub(l, r)));
-      const auto whole_steps = Round(Div(Mul(n, steps), m));
-      const auto fraction = ConvertTo(i32, Div(Mul(whole_steps, scale), steps));
-      const auto whole = hn::ShiftLeft<6>(Add(index, min_disparity));
-      static_assert(kDisparityScale == 1 << 6);
-      auto found = Add(whole, fraction);
-      const auto reject = [&](auto mask) HWY_ATTR {
-        found = IfThenElse(mask, Set(i32, int{kNoMatch}), found);
-      };
-      if (check_unique) reject(Lt(BitCast(i32, neighbours), Zero(i32)));  // kAmbiguous
-      if (strict) reject(Not(And(inside, And(Gt(l, c), Gt(r, c)))));
-      if (check_back) {
-        // Behind the end of the row lies nothing of use, but an index all the same.
-        const auto safe = Min(Max(Sub(zero, index), Zero(i32)), last_column);
-        const auto owner = hn::GatherIndex(i32, reinterpret_cast<const int*>(owner_), safe);
-        reject(Gt(Abs(Sub(And(owner, low), index)), tolerance));
-      }
-      zero = Add(zero, Set(i32, lanes));
-      const auto narrow = DemoteTo(u16, found);
-      if (x + lanes <= width_) {
-        StoreU(narrow, u16, out + x);
-      } else {
-        Store(narrow, u16, last);
-        std::copy(last, last + (width_ - x), out + x);
-      }
-    }
   }
 
   const SadImages& images_;

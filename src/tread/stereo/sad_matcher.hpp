@@ -45,7 +45,7 @@ struct SadOptions {
   bool strict_sub_pixel = true;
   // No match unless every disparity but the best and its neighbours costs more than the best by
   // this many per cent, cut to 1/65536. 0: not checked.
-  int uniqueness_percent = 20;
+  int uniqueness_percent = 15;
   // No match where the edge image varies less over the window, grey levels a pixel. 0: not checked.
   double min_texture = 0.0;
   // Where several pixels chose the same pixel of the other image, it belongs to the one with the

@@ -1,0 +1,106 @@
+// Vector types and the few operations that Highway 1.0 lacks, for the kernels of this module.
+// Included once for each instruction set.
+#if defined(TREAD_STEREO_LANES_INL_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef TREAD_STEREO_LANES_INL_HPP
+#undef TREAD_STEREO_LANES_INL_HPP
+#else
+#define TREAD_STEREO_LANES_INL_HPP
+#endif
+
+#include <hwy/highway.h>
+
+#include <cstdint>
+
+HWY_BEFORE_NAMESPACE();
+namespace tread::HWY_NAMESPACE {
+namespace {
+#if HWY_TARGET != HWY_SCALAR
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using U8 = hn::ScalableTag<std::uint8_t>;
+using I8 = hn::RebindToSigned<U8>;
+using I16 = hn::ScalableTag<std::int16_t>;
+using U16 = hn::ScalableTag<std::uint16_t>;
+using U32 = hn::ScalableTag<std::uint32_t>;
+using I32 = hn::ScalableTag<std::int32_t>;
+using F32 = hn::ScalableTag<float>;
+using Bytes = hn::Vec<U8>;
+using Words = hn::Vec<I16>;
+
+constexpr int kLanes = static_cast<int>(hn::MaxLanes(U8()));  // disparities of a vector of bytes
+constexpr int kMaxVectors = 1024 / kLanes;                    // kMaxDisparity of them
+HWY_INLINE Words widen_lower(Bytes v) {
+  return BitCast(I16(), InterleaveLower(U8(), v, Zero(U8())));
+}
+HWY_INLINE Words widen_upper(Bytes v) {
+  return BitCast(I16(), InterleaveUpper(U8(), v, Zero(U8())));
+}
+
+// Undoes the widening; what is above 255 becomes 255.
+HWY_INLINE Bytes narrow(Words lower, Words upper) {
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+  return Bytes{_mm512_packus_epi16(lower.raw, upper.raw)};
+#elif HWY_TARGET == HWY_AVX2
+  return Bytes{_mm256_packus_epi16(lower.raw, upper.raw)};
+#elif HWY_ARCH_X86
+  return Bytes{_mm_packus_epi16(lower.raw, upper.raw)};
+#else
+  const hn::Half<U8> half;
+  return Combine(U8(), DemoteTo(half, upper), DemoteTo(half, lower));
+#endif
+}
+
+// The least of all lanes, none negative, in lane 0.
+template <class D, class V>
+HWY_INLINE auto least_of(D d, V v) {
+  if constexpr (hn::MaxLanes(D()) > 8) {
+    const hn::Half<D> half;
+    return least_of(half, Min(LowerHalf(half, v), UpperHalf(half, v)));
+  } else {
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_SSE4
+    return V{_mm_minpos_epu16(v.raw)};
+#else
+    return MinOfLanes(d, v);
+#endif
+  }
+}
+
+// Lane 0 of a vector of eight in every lane.
+template <class V>
+HWY_INLINE Words spread_word(V v) {
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+  return Words{_mm512_broadcastw_epi16(v.raw)};
+#elif HWY_TARGET == HWY_AVX2
+  return Words{_mm256_broadcastw_epi16(v.raw)};
+#else
+  return hn::Broadcast<0>(v);
+#endif
+}
+
+// Of bits of which at least one is set.
+HWY_INLINE std::uint32_t lowest_bit(std::uint64_t bits) {
+  return static_cast<std::uint32_t>(hwy::Num0BitsBelowLS1Bit_Nonzero64(bits));
+}
+
+HWY_INLINE std::uint64_t bits_of(hn::Mask<U8> mask) {
+  std::uint64_t bits = 0;
+  StoreMaskBits(U8(), mask, reinterpret_cast<std::uint8_t*>(&bits));
+  return bits;
+}
+
+// The lanes of a that are at most b.
+HWY_INLINE std::uint64_t bits_at_most(Bytes a, Bytes b) {
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+  return ~bits_of(Gt(a, b));  // all 64 bits are lanes
+#else
+  return bits_of(Eq(Min(a, b), a));
+#endif
+}
+
+#endif
+}  // namespace
+}  // namespace tread::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
