@@ -10,8 +10,10 @@
 #include <string>
 #include <vector>
 
+#include "tread/stereo/edge_image.hpp"
 #include "tread/stereo/filter_kernel.hpp"
 #include "tread/stereo/sad_plain.hpp"
+#include "tread/stereo/sgm_matcher.hpp"
 
 namespace tread {
 namespace {
@@ -163,6 +165,74 @@ TEST(SadKernel, UniquenessOfLargeCosts) {
     c.options.uniqueness_percent = percent;
     c.seed = static_cast<unsigned>(percent);
     on_every_target([&] { expect_equal_to_plain(c); });
+  }
+}
+
+// A pair and its edges with patches shifted by different disparities, of random size and options.
+struct SgmCase {
+  int width = 0, height = 0;
+  SgmOptions options;
+  unsigned seed = 0;
+};
+
+void expect_sgm_equal_to_plain(const SgmCase& c) {
+  Case sizes;
+  sizes.width = c.width;
+  sizes.height = c.height;
+  sizes.spread = 200;
+  const Tight<std::uint8_t> left = blocks(sizes, c.seed);
+  Tight<std::uint8_t> right = blocks(sizes, c.seed + 1000);
+  for (int y = 0; y < c.height; ++y) {
+    for (int x = 0; x < c.width; ++x) {
+      const int to = x - c.options.min_disparity_px - c.options.num_disparities / (2 + y / 8 % 3);
+      if (to < 0 || (x / 16 + y / 8) % 4 == 0) continue;
+      right.pixels[static_cast<std::size_t>(y * right.stride + to)] =
+          left.pixels[static_cast<std::size_t>(y * left.stride + x)];
+    }
+  }
+  Image<std::uint8_t> left_edges, right_edges;
+  edge_image(left.view(), {}, left_edges);
+  edge_image(right.view(), {}, right_edges);
+  const auto match = [&](int threads) {
+    SgmMatcher matcher;
+    Image<Disparity> found(c.width, c.height, 2);
+    Context context;
+    context.threads = threads;
+    matcher.match(left.view(), right.view(), left_edges, right_edges, c.options, found, context);
+    return found;
+  };
+  hwy::SetSupportedTargetsForTest(HWY_SCALAR);  // the plain form
+  const Image<Disparity> expected = match(1);
+  on_every_target([&] {
+    ASSERT_TRUE(match(1) == expected)
+        << c.width << "x" << c.height << " disparities " << c.options.min_disparity_px << "+"
+        << c.options.num_disparities << " seed " << c.seed;
+    ASSERT_TRUE(match(2) == expected);
+  });
+  if (c.width > 60 && c.options.num_disparities > 4) {
+    EXPECT_GT(disparity_density(expected), 0.02) << c.seed << " tests nothing";
+  }
+}
+
+TEST(SgmKernel, EqualsThePlainFormOnEveryInstructionSetAndThreadCount) {
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    std::mt19937 random(seed);
+    const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
+    SgmCase c;
+    c.seed = seed;
+    const std::array widths{1, 2, 15, 33, 64, 90, 131, 200, 400};
+    c.width = widths[static_cast<std::size_t>(below(9))];
+    c.height = 1 + below(30);
+    c.options.min_disparity_px = below(std::min(c.width, 12));
+    c.options.num_disparities = 1 + below(std::min(300, c.width - c.options.min_disparity_px));
+    c.options.p2 = below(50);
+    c.options.p1 = below(c.options.p2 + 1);
+    c.options.uniqueness_percent = below(3) * 4;
+    c.options.left_right_tolerance_px = below(4) - 1;
+    c.options.strict_sub_pixel = below(2) == 0;
+    c.options.sub_pixel = below(2) == 0 ? SubPixel::kSymmetricV : SubPixel::kParabola;
+    expect_sgm_equal_to_plain(c);
+    if (testing::Test::HasFailure()) return;
   }
 }
 

@@ -78,6 +78,57 @@ HWY_INLINE Words spread_word(V v) {
 #endif
 }
 
+// The least byte of all lanes, in lane 0 of a vector of sixteen.
+template <class D, class V>
+HWY_INLINE auto least_byte_of(D d, V v) {
+  if constexpr (hn::MaxLanes(D()) > 16) {
+    const hn::Half<D> half;
+    return least_byte_of(half, Min(LowerHalf(half, v), UpperHalf(half, v)));
+  } else {
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_SSE4
+    const hn::Repartition<std::uint16_t, D> pairs;
+    const V least = Min(v, BitCast(d, hn::ShiftRight<8>(BitCast(pairs, v))));
+    return V{_mm_minpos_epu16(least.raw)};
+#else
+    return MinOfLanes(d, v);
+#endif
+  }
+}
+
+// Lane 0 of a vector of sixteen in every lane.
+template <class V>
+HWY_INLINE Bytes spread_byte(V v) {
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+  return Bytes{_mm512_broadcastb_epi8(v.raw)};
+#elif HWY_TARGET == HWY_AVX2
+  return Bytes{_mm256_broadcastb_epi8(v.raw)};
+#else
+  return TableLookupBytes(v, Zero(U8()));
+#endif
+}
+
+// Lane i takes lane i - 1; the first takes the last one of `before`.
+HWY_INLINE Bytes from_lower(Bytes v, Bytes before) {
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+  return Bytes{_mm512_alignr_epi8(v.raw, _mm512_alignr_epi64(v.raw, before.raw, 6), 15)};
+#elif HWY_TARGET == HWY_AVX2
+  return Bytes{_mm256_alignr_epi8(v.raw, _mm256_permute2x128_si256(before.raw, v.raw, 0x21), 15)};
+#else
+  return hn::CombineShiftRightBytes<15>(U8(), v, before);
+#endif
+}
+
+// Lane i takes lane i + 1; the last takes the first one of `behind`.
+HWY_INLINE Bytes from_upper(Bytes v, Bytes behind) {
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+  return Bytes{_mm512_alignr_epi8(_mm512_alignr_epi64(behind.raw, v.raw, 2), v.raw, 1)};
+#elif HWY_TARGET == HWY_AVX2
+  return Bytes{_mm256_alignr_epi8(_mm256_permute2x128_si256(v.raw, behind.raw, 0x21), v.raw, 1)};
+#else
+  return hn::CombineShiftRightBytes<1>(U8(), behind, v);
+#endif
+}
+
 // Of bits of which at least one is set.
 HWY_INLINE std::uint32_t lowest_bit(std::uint64_t bits) {
   return static_cast<std::uint32_t>(hwy::Num0BitsBelowLS1Bit_Nonzero64(bits));

@@ -255,8 +255,8 @@ class Band {
       }
       Store(cost[i], I16(), costs + i * kLanes / 2);
     }
-    Words least_lanes = Min(cost[0], cost[1]);
-    for (int i = 2; i < 2 * vectors; ++i) least_lanes = Min(least_lanes, cost[i]);
+    Words least_lanes = Set(I16(), kNoCost);
+    for (int i = 0; i < 2 * vectors; ++i) least_lanes = Min(least_lanes, cost[i]);
     const auto least_lane = least_of(I16(), least_lanes);
     const Words least = spread_word(least_lane);
     const auto margin = MulHigh(BitCast(U16(), least), Set(U16(), margin_factor_));

@@ -1,0 +1,52 @@
+// Semi-global matching (Hirschmueller 2008) for where texture is poor: a pixel's cost is smoothed
+// along paths that end in it, so that disparities of textured pixels reach into plain ones.
+//
+//   C(x, d)   = popcount(census(x) ^ census'(x - d)) + min(11, (sum over 5x3 of |E - E'|) / 8)
+//               census: 5x5, of the grey values; E: edge images
+//   L_r(x, d) = C(x, d) + min(L_r(x-r, d), L_r(x-r, d +- 1) + p1, min L_r(x-r) + p2) - min L_r(x-r)
+//   S(x, d)   = sum of L_r over the paths from the left, from the right and from above
+//
+// Three paths need one pass down the image. C is at most 35 and p2 at most 49, so that S fits a
+// byte: 64 disparities of it are one AVX-512 register. Winner, checks and sub-pixel as in
+// SadMatcher. Cost: O(pixels x disparities).
+#pragma once
+
+#include <vector>
+
+#include "tread/core/options.hpp"
+#include "tread/core/timer.hpp"
+#include "tread/stereo/sad_matcher.hpp"
+
+namespace tread {
+
+struct SgmOptions {
+  int min_disparity_px = 0;  // first disparity tried
+  int num_disparities = 64;  // how many are tried
+  int p1 = 10;               // price of a step of one disparity along a path
+  int p2 = 49;               // of a larger step; at most 49
+  SubPixel sub_pixel = SubPixel::kSymmetricV;
+  bool strict_sub_pixel = true;  // as in SadOptions, these four
+  int uniqueness_percent = 3;
+  int left_right_tolerance_px = 1;
+};
+[[nodiscard]] OptionSet describe(SgmOptions& options);
+
+// Working memory, kept between frames.
+class SgmMatcher {
+ public:
+  // The grey images and their edge images must have one size and at least one pixel, the options be
+  // in range (StereoMatcher checks). `disparity`, of the left image, is resized.
+  void match(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
+             ImageView<const std::uint8_t> left_edges, ImageView<const std::uint8_t> right_edges,
+             const SgmOptions& options, Image<Disparity>& disparity, const Context& context = {});
+
+ private:
+  Image<std::uint8_t> left_census_;
+  Image<std::uint8_t> right_census_;
+  Image<std::uint8_t> costs_;   // of a block of rows: C, then the paths from both sides
+  Image<std::uint8_t> above_;   // the path from above, of the row before
+  Image<std::uint8_t> pixels_;  // results of the rows of a block
+  std::vector<Image<std::uint8_t>> memory_;  // by worker
+};
+
+}  // namespace tread

@@ -1,0 +1,158 @@
+#include "tread/stereo/sgm_plain.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+#include "tread/stereo/sad_kernel.hpp"
+
+namespace tread {
+namespace {
+
+class PlainSgm {
+ public:
+  PlainSgm(const SgmImages& images, const SgmOptions& options)
+      : images_(images),
+        options_(options),
+        width_(images.left_edges.width),
+        height_(images.left_edges.height),
+        range_(options.num_disparities) {}
+
+  void match(Image<Disparity>& disparity) {
+    std::vector<int> above;
+    for (int y = 0; y < height_; ++y) {
+      const std::vector<int> cost = costs(y);
+      std::vector<int> sum(cost.size());
+      follow(cost, 1, sum);
+      follow(cost, -1, sum);
+      std::vector<int> here(cost.size());
+      for (int x = 0; x < width_; ++x) {
+        step(&cost[at(x)], y > 0 ? &above[at(x)] : nullptr, &here[at(x)]);
+      }
+      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += here[i];
+      above = std::move(here);
+      choose(sum, disparity.row(y));
+    }
+  }
+
+ private:
+  [[nodiscard]] std::size_t at(int x) const {
+    return static_cast<std::size_t>(x) * static_cast<std::size_t>(range_);
+  }
+
+  [[nodiscard]] std::vector<int> costs(int y) const {
+    std::vector<int> cost(at(width_));
+    for (int x = 0; x < width_; ++x) {
+      for (int d = 0; d < range_; ++d) {
+        const int shift = options_.min_disparity_px + d;
+        const int other = std::max(x - shift, 0);
+        int differing = 0;
+        for (int k = 3 * y; k < 3 * y + 3; ++k) {
+          differing += std::popcount(static_cast<unsigned>(images_.left_census(x, k)) ^
+                                     images_.right_census(other, k));
+        }
+        int sum = 0;
+        for (int j = -1; j <= 1; ++j) {
+          const int v = std::clamp(y + j, 0, height_ - 1);
+          for (int i = -2; i <= 2; ++i) {
+            sum += std::abs(images_.left_edges(std::clamp(x + i, 0, width_ - 1), v) -
+                            images_.right_edges(std::clamp(x + i - shift, 0, width_ - 1), v));
+          }
+        }
+        cost[at(x) + static_cast<std::size_t>(d)] =
+            differing + std::min(kSgmLargestEdgeCost, sum / 8);
+      }
+    }
+    return cost;
+  }
+
+  // One pixel of a path: from `before`, the pixel before it on the path (null: it is the first).
+  void step(const int* cost, const int* before, int* out) const {
+    if (before == nullptr) {
+      std::copy(cost, cost + range_, out);
+      return;
+    }
+    const int least = *std::min_element(before, before + range_);
+    for (int d = 0; d < range_; ++d) {
+      int cheapest = std::min(before[d], least + options_.p2);
+      if (d > 0) cheapest = std::min(cheapest, before[d - 1] + options_.p1);
+      if (d + 1 < range_) cheapest = std::min(cheapest, before[d + 1] + options_.p1);
+      out[d] = cost[d] + cheapest - least;
+    }
+  }
+
+  // Adds the path along the row in direction +1 or -1.
+  void follow(const std::vector<int>& cost, int direction, std::vector<int>& sum) const {
+    std::vector<int> path(cost.size());
+    for (int i = 0; i < width_; ++i) {
+      const int x = direction > 0 ? i : width_ - 1 - i;
+      step(&cost[at(x)], i > 0 ? &path[at(x - direction)] : nullptr, &path[at(x)]);
+    }
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += path[i];
+  }
+
+  void choose(const std::vector<int>& sum, Disparity* out) const {
+    struct Winner {
+      int index = -1;
+      int cost = 0;
+    };
+    std::vector<Winner> winners(static_cast<std::size_t>(width_)), owners(winners.size());
+    std::fill(out, out + width_, kNoMatch);
+    const int min_disparity = options_.min_disparity_px;
+    for (int x = min_disparity; x < width_; ++x) {
+      const int* s = &sum[at(x)];
+      const int fit = std::min(range_, x - min_disparity + 1);
+      const int index = static_cast<int>(std::min_element(s, s + fit) - s);
+      winners[static_cast<std::size_t>(x)] = {index, s[index]};
+      Winner& owner = owners[static_cast<std::size_t>(x - min_disparity - index)];
+      if (owner.index < 0 || s[index] < owner.cost) owner = {index, s[index]};
+      if (unique(s, fit, index)) out[x] = refined(s, fit, index);
+    }
+    if (options_.left_right_tolerance_px < 0) return;
+    for (int x = min_disparity; x < width_; ++x) {
+      const int index = winners[static_cast<std::size_t>(x)].index;
+      const int back = owners[static_cast<std::size_t>(x - min_disparity - index)].index;
+      if (std::abs(back - index) > options_.left_right_tolerance_px) out[x] = kNoMatch;
+    }
+  }
+
+  [[nodiscard]] bool unique(const int* s, int fit, int index) const {
+    if (options_.uniqueness_percent <= 0) return true;
+    const int margin = s[index] * uniqueness_factor(options_.uniqueness_percent) >> 16;
+    for (int d = 0; d < fit; ++d) {
+      if (std::abs(d - index) > 1 && s[d] <= s[index] + margin) return false;
+    }
+    return true;
+  }
+
+  [[nodiscard]] Disparity refined(const int* s, int fit, int index) const {
+    const auto whole =
+        static_cast<Disparity>((options_.min_disparity_px + index) * kDisparityScale);
+    if (index == 0 || index == fit - 1) return options_.strict_sub_pixel ? kNoMatch : whole;
+    const int l = s[index - 1], c = s[index], r = s[index + 1];
+    if (options_.strict_sub_pixel && (l <= c || r <= c)) return kNoMatch;
+    int divisor = 0;
+    if (options_.sub_pixel == SubPixel::kSymmetricV) divisor = std::max(l, r) - c;
+    if (options_.sub_pixel == SubPixel::kParabola) divisor = l + r - 2 * c;
+    if (divisor <= 0) return whole;
+    const double steps = static_cast<double>(l - r) * kDisparityScale / (2.0 * divisor);
+    return static_cast<Disparity>(whole + std::lrint(steps));
+  }
+
+  const SgmImages& images_;
+  const SgmOptions& options_;
+  int width_;
+  int height_;
+  int range_;
+};
+
+}  // namespace
+
+void match_sgm_plain(const SgmImages& images, const SgmOptions& options,
+                     Image<Disparity>& disparity) {
+  PlainSgm(images, options).match(disparity);
+}
+
+}  // namespace tread

@@ -1,0 +1,12 @@
+// Semi-global matching as its definition says, in plain C++: what the vectorised kernel must equal
+// bit for bit, and what machines without vectors use.
+#pragma once
+
+#include "tread/stereo/sgm_kernel.hpp"
+
+namespace tread {
+
+void match_sgm_plain(const SgmImages& images, const SgmOptions& options,
+                     Image<Disparity>& disparity);
+
+}  // namespace tread
