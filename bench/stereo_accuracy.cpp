@@ -1,5 +1,5 @@
-// How many pixels get a disparity, and how many of those are wrong: ours beside OpenCV's block
-// matcher, in one harness, on Middlebury and KITTI pairs with ground truth.
+// How many pixels get a disparity, and how many of those are wrong: ours beside OpenCV's block and
+// semi-global matchers, in one harness, on Middlebury and KITTI pairs with ground truth.
 //   density  share of the pixels of known truth that are estimated
 //   bad-1/2  share of those estimated that are off by more than 1 or 2 px
 //   error    mean absolute error of those estimated, px
@@ -32,7 +32,8 @@ constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 using Method = std::function<Image<float>(const StereoPair&)>;
 
-Image<float> match_ours(const StereoPair& pair, StereoOptions options) {
+Image<float> match_ours(const StereoPair& pair, StereoOptions options, StereoMethod method) {
+  options.method = method;
   options.sad.num_disparities = pair.num_disparities;
   StereoMatcher matcher;
   const auto disparity = matcher.match(pair.left, pair.right, options);
@@ -55,14 +56,8 @@ cv::Mat wrap(const Image<std::uint8_t>& image) {
           static_cast<std::size_t>(image.stride)};
 }
 
-// OpenCV's block matcher with its speckle filter, its other settings as they come.
-Image<float> match_opencv(const StereoPair& pair, int window) {
-  const auto matcher = cv::StereoBM::create(pair.num_disparities, window);
-  matcher->setSpeckleWindowSize(100);
-  matcher->setSpeckleRange(2);
-  cv::Mat disparity;
-  matcher->compute(wrap(pair.left), wrap(pair.right), disparity);
-  Image<float> out(pair.left.width, pair.left.height, kUnknown);
+Image<float> from_opencv(const cv::Mat& disparity) {
+  Image<float> out(disparity.cols, disparity.rows, kUnknown);
   for (int y = 0; y < out.height; ++y) {
     for (int x = 0; x < out.width; ++x) {
       const auto d = disparity.at<std::int16_t>(y, x);
@@ -70,6 +65,26 @@ Image<float> match_opencv(const StereoPair& pair, int window) {
     }
   }
   return out;
+}
+
+// OpenCV's block matcher with its speckle filter, its other settings as they come.
+Image<float> match_opencv(const StereoPair& pair, int window) {
+  const auto matcher = cv::StereoBM::create(pair.num_disparities, window);
+  matcher->setSpeckleWindowSize(100);
+  matcher->setSpeckleRange(2);
+  cv::Mat disparity;
+  matcher->compute(wrap(pair.left), wrap(pair.right), disparity);
+  return from_opencv(disparity);
+}
+
+// OpenCV's semi-global matcher with settings of its documentation for block size 3.
+Image<float> match_opencv_sgbm(const StereoPair& pair, int mode) {
+  constexpr int kBlock = 3;
+  const auto matcher = cv::StereoSGBM::create(0, pair.num_disparities, kBlock, 8 * kBlock * kBlock,
+                                              32 * kBlock * kBlock, 1, 63, 10, 100, 2, mode);
+  cv::Mat disparity;
+  matcher->compute(wrap(pair.left), wrap(pair.right), disparity);
+  return from_opencv(disparity);
 }
 
 nlohmann::ordered_json json_of(const Score& s) {
@@ -108,9 +123,16 @@ int main(int argc, char** argv) {
   }
   cv::setNumThreads(1);
   const std::vector<std::pair<std::string, Method>> methods = {
-      {"tread", [&](const StereoPair& p) { return match_ours(p, options); }},
+      {"tread sad",
+       [&](const StereoPair& p) { return match_ours(p, options, StereoMethod::kSad); }},
+      {"tread sgm",
+       [&](const StereoPair& p) { return match_ours(p, options, StereoMethod::kSgm); }},
       {"BM9+speckle", [](const StereoPair& p) { return match_opencv(p, 9); }},
-      {"BM15+speckle", [](const StereoPair& p) { return match_opencv(p, 15); }}};
+      {"BM15+speckle", [](const StereoPair& p) { return match_opencv(p, 15); }},
+      {"SGBM 3-way",
+       [](const StereoPair& p) { return match_opencv_sgbm(p, cv::StereoSGBM::MODE_SGBM_3WAY); }},
+      {"SGBM",
+       [](const StereoPair& p) { return match_opencv_sgbm(p, cv::StereoSGBM::MODE_SGBM); }}};
 
   nlohmann::ordered_json result = {{"benchmark", "stereo_accuracy"}};
   std::map<std::string, std::map<std::string, std::vector<Score>>> by_set;

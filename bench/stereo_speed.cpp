@@ -74,12 +74,17 @@ std::vector<Method> methods_of(const Frame& frame, int threads) {
   const auto add = [&](const std::string& name, std::function<void()> run) {
     methods.push_back({name, std::move(run)});
   };
-  StereoOptions options;
-  options.sad.num_disparities = frame.num_disparities;
-  add("tread sad", [&frame, options, threads, matcher = std::make_shared<StereoMatcher>()] {
-    const auto found = matcher->match(frame.left, frame.right, options, {threads, nullptr});
-    if (!found) throw std::runtime_error(found.error().message());
-  });
+  const auto add_ours = [&](const std::string& name, StereoMethod method) {
+    StereoOptions options;
+    options.method = method;
+    options.sad.num_disparities = frame.num_disparities;
+    add(name, [&frame, options, threads, matcher = std::make_shared<StereoMatcher>()] {
+      const auto found = matcher->match(frame.left, frame.right, options, {threads, nullptr});
+      if (!found) throw std::runtime_error(found.error().message());
+    });
+  };
+  add_ours("tread sad", StereoMethod::kSad);
+  add_ours("tread sgm", StereoMethod::kSgm);
   const auto add_opencv = [&](const std::string& name, const cv::Ptr<cv::StereoMatcher>& matcher) {
     matcher->setSpeckleWindowSize(100);
     matcher->setSpeckleRange(2);

@@ -29,6 +29,7 @@ Result<int> estimate_num_disparities(ImageView<const std::uint8_t> left,
   shrink(left, kShrink, small_left);
   shrink(right, kShrink, small_right);
   StereoOptions coarse = options;
+  coarse.method = StereoMethod::kSad;
   coarse.sad.min_disparity_px = 0;
   coarse.sad.num_disparities = std::max(1, small_left.width / 2);
   coarse.holes.spatial = coarse.holes.temporal = false;

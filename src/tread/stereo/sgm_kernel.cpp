@@ -190,6 +190,8 @@ void cost_row(const SgmImages& images, const SgmOptions& options, int y, std::ui
   auto* ring = arena.take<std::uint8_t>(static_cast<std::size_t>(kWindow * padded));
   int slot = 0;
   const Bytes most = Set(U8(), kSgmLargestEdgeCost);
+  const int range = options.num_disparities;
+  const Bytes beyond = outside(padded / kLanes - 1, range);
   for (int c = 0; c < width + 2 * kEdgeColumns; ++c) {
     std::uint8_t* column = ring + slot * padded;
     slot = slot + 1 == kWindow ? 0 : slot + 1;
@@ -217,7 +219,7 @@ void cost_row(const SgmImages& images, const SgmOptions& options, int y, std::ui
       const Bytes odd = PopulationCount(Xor(differ, bits[2]));
       const Bytes twice = PopulationCount(Or(And(bits[0], bits[1]), And(differ, bits[2])));
       const Bytes total = Add(Add(odd, Add(twice, twice)), Min(hn::ShiftRight<3>(sum), most));
-      Store(Or(total, outside(d / kLanes, options.num_disparities)), U8(), cost + d);
+      Store(d + kLanes > range ? Or(total, beyond) : total, U8(), cost + d);
     }
   }
 }
@@ -316,7 +318,7 @@ HWY_INLINE SumScan sum_paths(std::uint8_t* above, int vectors, const std::uint8_
     now[i] = SaturatedAdd(Load(U8(), cost + i * kLanes), Min(stay, SaturatedAdd(beside, p1)));
     sum[i] = SaturatedAdd(now[i], SaturatedAdd(Load(U8(), from_left + i * kLanes),
                                                Load(U8(), from_right + i * kLanes)));
-    sum[i] = Or(sum[i], outside(i, fit));
+    if (fit < (i + 1) * kLanes) sum[i] = Or(sum[i], outside(i, fit));
     Store(sum[i], U8(), sums + i * kLanes);
   }
   Bytes least = Set(U8(), 255), cheapest = least;

@@ -34,10 +34,6 @@ void census_row_plain(ImageView<const std::uint8_t> image, int y, Image<std::uin
 
 OptionSet describe(SgmOptions& options) {
   OptionSet set;
-  set.add("min_disparity_px", options.min_disparity_px, "first disparity tried, px", 0,
-          kMaxDisparity - 1);
-  set.add("num_disparities", options.num_disparities, "how many disparities are tried", 1,
-          kMaxDisparity);
   set.add("p1", options.p1, "price of a step of one disparity along a path", 0, kSgmLargestP2);
   set.add("p2", options.p2, "price of a larger step", 0, kSgmLargestP2);
   set.add_choice("sub_pixel", options.sub_pixel, "refinement below the pixel",
@@ -50,6 +46,9 @@ OptionSet describe(SgmOptions& options) {
           "how much dearer all other disparities must be, per cent; 0: not checked", 0, 100);
   set.add("left_right_tolerance_px", options.left_right_tolerance_px,
           "how far the match back may miss, px; -1: not checked", -1, 16);
+  set.add_group("speckle", describe(options.speckle));
+  set.require({"p1", "p2"}, "a larger step must not be cheaper than a small one",
+              [&options] { return options.p1 <= options.p2; });
   return set;
 }
 

@@ -16,10 +16,12 @@
 #include "tread/core/options.hpp"
 #include "tread/core/timer.hpp"
 #include "tread/stereo/sad_matcher.hpp"
+#include "tread/stereo/speckle_filter.hpp"
 
 namespace tread {
 
 struct SgmOptions {
+  // The range is not described: StereoMatcher hands on that of SadOptions.
   int min_disparity_px = 0;  // first disparity tried
   int num_disparities = 64;  // how many are tried
   int p1 = 10;               // price of a step of one disparity along a path
@@ -28,6 +30,9 @@ struct SgmOptions {
   bool strict_sub_pixel = true;  // as in SadOptions, these four
   int uniqueness_percent = 3;
   int left_right_tolerance_px = 1;
+  // In the place of StereoOptions::speckle: smoothed surfaces hold together where block matching's
+  // fall apart.
+  SpeckleOptions speckle = {true, 200, 1.0};
 };
 [[nodiscard]] OptionSet describe(SgmOptions& options);
 

@@ -38,14 +38,20 @@ Status check_against_image(const StereoOptions& options, int width) {
 
 OptionSet describe(StereoOptions& options) {
   OptionSet set;
+  set.add_choice("method", options.method, "how pixels are matched",
+                 {{"sad", StereoMethod::kSad}, {"sgm", StereoMethod::kSgm}});
   set.add_group("edges", describe(options.edges));
   set.add_group("sad", describe(options.sad));
+  set.add_group("sgm", describe(options.sgm));
   set.add_group("holes", describe(options.holes));
   set.add_group("speckle", describe(options.speckle));
   set.require({"sad.min_texture", "edges.kind"},
               "texture is measured on edge images: it must be 0 where they are off", [&options] {
                 return options.sad.min_texture <= 0.0 || options.edges.kind != EdgeKind::kNone;
               });
+  set.require({"method", "sad.reference"}, "sgm matches the left image only", [&options] {
+    return options.method == StereoMethod::kSad || options.sad.reference == Reference::kLeft;
+  });
   return set;
 }
 
@@ -80,10 +86,18 @@ Result<ImageView<const Disparity>> StereoMatcher::match(ImageView<const std::uin
   if (Status ok = check_against_image(options, left.width); !ok) return forward(ok);
   edge_image(left, options.edges, left_edges_, context);
   edge_image(right, options.edges, right_edges_, context);
-  sad_.match(left_edges_, right_edges_, options.sad, largest_edge_difference(options.edges),
-             disparity_, context);
+  if (options.method == StereoMethod::kSgm) {
+    SgmOptions sgm = options.sgm;
+    sgm.min_disparity_px = options.sad.min_disparity_px;
+    sgm.num_disparities = options.sad.num_disparities;
+    sgm_.match(left, right, left_edges_, right_edges_, sgm, disparity_, context);
+  } else {
+    sad_.match(left_edges_, right_edges_, options.sad, largest_edge_difference(options.edges),
+               disparity_, context);
+  }
   holes_.apply(disparity_, options.holes, context);
-  speckle_.apply(disparity_, options.speckle, context);
+  const bool sgm_matched = options.method == StereoMethod::kSgm;
+  speckle_.apply(disparity_, sgm_matched ? options.sgm.speckle : options.speckle, context);
   return disparity_.view();
 }
 

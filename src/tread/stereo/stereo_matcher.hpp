@@ -1,18 +1,27 @@
 // The whole way from a rectified pair to a disparity image (paper Q, Fig. 4):
-// edge images -> SAD with checks and sub-pixel -> hole filter -> speckle filter.
+// edge images -> SAD with checks and sub-pixel -> hole filter -> speckle filter; or semi-global
+// matching in the place of SAD.
 #pragma once
 
 #include "tread/core/result.hpp"
 #include "tread/stereo/edge_image.hpp"
 #include "tread/stereo/hole_filter.hpp"
 #include "tread/stereo/sad_matcher.hpp"
+#include "tread/stereo/sgm_matcher.hpp"
 #include "tread/stereo/speckle_filter.hpp"
 
 namespace tread {
 
+enum class StereoMethod {
+  kSad,  // block matching: the fastest, and few errors
+  kSgm,  // semi-global matching: more pixels where texture is poor, at three times the time
+};
+
 struct StereoOptions {
+  StereoMethod method = StereoMethod::kSad;
   EdgeOptions edges;
-  SadOptions sad;
+  SadOptions sad;  // its range of disparities is that of both methods
+  SgmOptions sgm;
   HoleFilterOptions holes;
   SpeckleOptions speckle;
 };
@@ -39,6 +48,7 @@ class StereoMatcher {
   Image<std::uint8_t> right_edges_;
   Image<Disparity> disparity_;
   SadMatcher sad_;
+  SgmMatcher sgm_;
   HoleFilter holes_;
   SpeckleFilter speckle_;
 };
