@@ -56,10 +56,17 @@ std::size_t above_bytes(int width, int num_disparities) {
   return static_cast<std::size_t>(above_stride(padded_range(num_disparities)) * width + kLanes);
 }
 
+// Of a row's differences.
+std::size_t difference_bytes(int width, int num_disparities) {
+  return static_cast<std::size_t>(width + 2 * kEdgeColumns) *
+         static_cast<std::size_t>(padded_range(num_disparities));
+}
+
 std::size_t worker_bytes(int width, int num_disparities) {
   const auto row = static_cast<std::size_t>(width + 2 * kEdgeColumns + 64);
   const auto padded = static_cast<std::size_t>(padded_range(num_disparities));
-  const std::size_t costs = 6 * (4 * row + row + padded + 64) + 8 * padded;
+  const std::size_t costs = 6 * (4 * row + row + padded + 64) + 8 * padded +
+                            3 * (difference_bytes(width, num_disparities) + 64);
   const std::size_t winners = kPixels * (padded + 2 * 64);
   return std::max({costs, winners, 4 * row, 5 * row}) + 1024;
 }
@@ -162,43 +169,56 @@ HWY_INLINE Bytes outside(int i, int range) {
                             Set(U8(), 255));
 }
 
-HWY_INLINE Bytes difference(std::uint32_t four, const std::uint8_t* right) {
-  const Bytes here = BitCast(U8(), Set(U32(), four)), other = LoadU(U8(), right);
-  return Sub(Max(here, other), Min(here, other));
+// The differences of the edges of one row, which three rows of costs share.
+void difference_row(const SgmImages& images, const SgmOptions& options, int y, std::uint8_t* memory,
+                    std::uint8_t* out) {
+  const int width = images.left_edges.width;
+  const int padded = padded_range(options.num_disparities);
+  const int row = std::clamp(y, 0, images.left_edges.height - 1);
+  Arena arena{memory};
+  const std::uint32_t* left = spread_row(arena, images.left_edges.row(row), width, kEdgeColumns);
+  const int columns = width + 2 * kEdgeColumns;
+  const std::uint8_t* right = reverse_row(arena, images.right_edges.row(row), width, kEdgeColumns,
+                                          options.min_disparity_px, padded) +
+                              columns - 1;
+  for (int c = 0; c < columns; ++c) {
+    const Bytes here = BitCast(U8(), Set(U32(), left[c]));
+    for (int d = 0; d < padded; d += kLanes) {
+      const Bytes other = LoadU(U8(), right - c + d);
+      Store(Sub(Max(here, other), Min(here, other)), U8(), out);
+      out += kLanes;
+    }
+  }
 }
 
-void cost_row(const SgmImages& images, const SgmOptions& options, int y, std::uint8_t* out,
-              std::uint8_t* memory) {
-  const int width = images.left_edges.width, height = images.left_edges.height;
-  const int padded = padded_range(options.num_disparities);
+// One row of costs. differences: of the row above, this one and the one below.
+void cost_row(const SgmImages& images, const SgmOptions& options, int y,
+              const std::uint8_t* const* differences, std::uint8_t* memory, std::uint8_t* out) {
+  const int width = images.left_edges.width;
+  const int range = options.num_disparities, padded = padded_range(range);
   Arena arena{memory};
-  const std::uint32_t *census[3], *edges[3];
-  const std::uint8_t *other_census[3], *other_edges[3];
+  const std::uint32_t* census[3];
+  const std::uint8_t* other_census[3];
   for (int k = 0; k < 3; ++k) {
-    const int row = std::clamp(y + k - 1, 0, height - 1), plane = 3 * y + k;
-    census[k] = spread_row(arena, images.left_census.row(plane), width, 0);
-    edges[k] = spread_row(arena, images.left_edges.row(row), width, kEdgeColumns);
-    other_census[k] = reverse_row(arena, images.right_census.row(plane), width, 0,
+    census[k] = spread_row(arena, images.left_census.row(3 * y + k), width, 0);
+    other_census[k] = reverse_row(arena, images.right_census.row(3 * y + k), width, 0,
                                   options.min_disparity_px, padded) +
                       width - 1;
-    other_edges[k] = reverse_row(arena, images.right_edges.row(row), width, kEdgeColumns,
-                                 options.min_disparity_px, padded) +
-                     width - 1 + 2 * kEdgeColumns;
   }
   // The sums of three rows of the last five columns.
   constexpr int kWindow = 2 * kEdgeColumns + 1;
   auto* ring = arena.take<std::uint8_t>(static_cast<std::size_t>(kWindow * padded));
   int slot = 0;
   const Bytes most = Set(U8(), kSgmLargestEdgeCost);
-  const int range = options.num_disparities;
   const Bytes beyond = outside(padded / kLanes - 1, range);
   for (int c = 0; c < width + 2 * kEdgeColumns; ++c) {
+    const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(c) * padded;
     std::uint8_t* column = ring + slot * padded;
     slot = slot + 1 == kWindow ? 0 : slot + 1;
     for (int d = 0; d < padded; d += kLanes) {
-      const Bytes two = SaturatedAdd(difference(edges[0][c], other_edges[0] - c + d),
-                                     difference(edges[1][c], other_edges[1] - c + d));
-      Store(SaturatedAdd(two, difference(edges[2][c], other_edges[2] - c + d)), U8(), column + d);
+      const Bytes two =
+          SaturatedAdd(Load(U8(), differences[0] + at + d), Load(U8(), differences[1] + at + d));
+      Store(SaturatedAdd(two, Load(U8(), differences[2] + at + d)), U8(), column + d);
     }
     const int x = c - 2 * kEdgeColumns;
     if (x < 0) continue;
@@ -226,8 +246,18 @@ void cost_row(const SgmImages& images, const SgmOptions& options, int y, std::ui
 
 void cost_rows(const SgmImages& images, const SgmOptions& options, const SgmBlock& block, int begin,
                int end, std::uint8_t* memory) {
+  const std::size_t bytes = difference_bytes(images.left_edges.width, options.num_disparities);
+  Arena arena{memory};
+  std::uint8_t* ring[3];
+  for (std::uint8_t*& row : ring) row = arena.take<std::uint8_t>(bytes);
+  const auto row = [&](int y) { return ring[(y + 3) % 3]; };
+  difference_row(images, options, begin - 1, arena.at, row(begin - 1));
+  difference_row(images, options, begin, arena.at, row(begin));
   for (int y = begin; y < end; ++y) {
-    cost_row(images, options, y, block.cost + (y - block.first) * block.row_stride, memory);
+    difference_row(images, options, y + 1, arena.at, row(y + 1));
+    const std::uint8_t* const differences[] = {row(y - 1), row(y), row(y + 1)};
+    cost_row(images, options, y, differences, arena.at,
+             block.cost + (y - block.first) * block.row_stride);
   }
 }
 

@@ -106,16 +106,18 @@ void SgmMatcher::match(ImageView<const std::uint8_t> left, ImageView<const std::
   const int columns = (width / static_cast<int>(workers) + 63) / 64 * 64 + 64;
   for (block.first = 0; block.first < height; block.first = block.last) {
     block.last = std::min(height, block.first + block_rows);
-    parallel_chunks(context, block.first, block.last, 4, [&](int first, int last, int worker) {
-      sgm_cost_rows(images, options, block, first, last, memory_of(worker));
-      sgm_side_rows(options, width, block, first, last);
-    });
+    parallel_chunks(context, block.first, block.last, kBlockRows,
+                    [&](int first, int last, int worker) {
+                      sgm_cost_rows(images, options, block, first, last, memory_of(worker));
+                      sgm_side_rows(options, width, block, first, last);
+                    });
     parallel_chunks(context, 0, width, columns, [&](int first, int last, int worker) {
       sgm_above_columns(options, block, first, last, memory_of(worker));
     });
-    parallel_chunks(context, block.first, block.last, 8, [&](int first, int last, int worker) {
-      sgm_finish_rows(options, width, block, first, last, memory_of(worker), disparity);
-    });
+    parallel_chunks(
+        context, block.first, block.last, kBlockRows, [&](int first, int last, int worker) {
+          sgm_finish_rows(options, width, block, first, last, memory_of(worker), disparity);
+        });
   }
 }
 
