@@ -23,6 +23,7 @@ struct EdgeOptions {
   double gain = 1.0;  // response 128 + gain * filter
   int limit = 15;     // the response stays within 128 - limit .. 128 + limit
   int mask_px = 7;    // of the Laplacian: side of the mask, odd; sigma is a sixth of it
+  [[nodiscard]] bool operator==(const EdgeOptions&) const = default;
 };
 [[nodiscard]] OptionSet describe(EdgeOptions& options);
 

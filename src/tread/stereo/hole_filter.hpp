@@ -24,6 +24,7 @@ struct HoleFilterOptions {
   // (c) Whether filled pixels count as known for the pixels after them in the same pass.
   enum class Update { kBuffered, kInPlace } update = Update::kBuffered;
   int passes = 1;  // spatial passes; each shrinks holes by one pixel all around
+  [[nodiscard]] bool operator==(const HoleFilterOptions&) const = default;
 };
 [[nodiscard]] OptionSet describe(HoleFilterOptions& options);
 

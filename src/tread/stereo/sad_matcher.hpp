@@ -52,6 +52,7 @@ struct SadOptions {
   // least cost; no match for those whose disparity differs from that one's by more than this.
   // Negative: not checked.
   int left_right_tolerance_px = 0;
+  [[nodiscard]] bool operator==(const SadOptions&) const = default;
 };
 [[nodiscard]] OptionSet describe(SadOptions& options);
 

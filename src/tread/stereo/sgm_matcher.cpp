@@ -10,7 +10,7 @@ namespace tread {
 namespace {
 
 // Rows of a block: what is kept of them at once should fit the second level cache.
-constexpr int kBlockRows = 8;
+constexpr int kBlockRows = 4;
 
 // The census of a pixel as its definition says, where there are no vectors.
 void census_row_plain(ImageView<const std::uint8_t> image, int y, Image<std::uint8_t>& census) {

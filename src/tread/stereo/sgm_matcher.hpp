@@ -33,6 +33,7 @@ struct SgmOptions {
   // In the place of StereoOptions::speckle: smoothed surfaces hold together where block matching's
   // fall apart.
   SpeckleOptions speckle = {true, 200, 1.0};
+  [[nodiscard]] bool operator==(const SgmOptions&) const = default;
 };
 [[nodiscard]] OptionSet describe(SgmOptions& options);
 

@@ -87,6 +87,11 @@ OptionSet describe(SpeckleOptions& options) {
 // Runs of the rows first to last - 1 and how they hang together.
 void SpeckleFilter::cut(ImageView<const Disparity> disparity, int first, int last, int limit,
                         Band& band) {
+  // The most runs there can be: memory that is not used costs nothing, and none is asked for later.
+  const auto most = static_cast<std::size_t>(disparity.width) * kBandRows;
+  band.runs.reserve(most);
+  band.parent.reserve(most);
+  band.row_begin.reserve(kBandRows + 1);
   band.runs.clear();
   band.parent.clear();
   band.row_begin.assign(1, 0);
@@ -121,6 +126,10 @@ void SpeckleFilter::cut(ImageView<const Disparity> disparity, int first, int las
 
 // One numbering for the runs of all bands, and the patches that reach across.
 void SpeckleFilter::sew(ImageView<const Disparity> disparity, int rows, int limit) {
+  const auto most =
+      static_cast<std::size_t>(disparity.width) * static_cast<std::size_t>(disparity.height);
+  parent_.reserve(most);
+  size_.reserve(most);
   parent_.clear();
   for (Band& band : bands_) {
     band.offset = static_cast<int>(parent_.size());

@@ -16,6 +16,7 @@ struct SpeckleOptions {
   bool enabled = true;
   int max_size_px = 400;           // patches up to this many pixels are removed
   double max_difference_px = 0.5;  // between neighbours of one patch
+  [[nodiscard]] bool operator==(const SpeckleOptions&) const = default;
 };
 [[nodiscard]] OptionSet describe(SpeckleOptions& options);
 

@@ -82,7 +82,10 @@ Result<ImageView<const Disparity>> StereoMatcher::match(ImageView<const std::uin
                                                         const StereoOptions& options,
                                                         const Context& context) {
   if (Status ok = check_images(left, right); !ok) return forward(ok);
-  if (Status ok = check_options(options); !ok) return forward(ok);
+  if (checked_ != options) {
+    if (Status ok = check_options(options); !ok) return forward(ok);
+    checked_ = options;
+  }
   if (Status ok = check_against_image(options, left.width); !ok) return forward(ok);
   edge_image(left, options.edges, left_edges_, context);
   edge_image(right, options.edges, right_edges_, context);

@@ -3,6 +3,8 @@
 // matching in the place of SAD.
 #pragma once
 
+#include <optional>
+
 #include "tread/core/result.hpp"
 #include "tread/stereo/edge_image.hpp"
 #include "tread/stereo/hole_filter.hpp"
@@ -24,6 +26,7 @@ struct StereoOptions {
   SgmOptions sgm;
   HoleFilterOptions holes;
   SpeckleOptions speckle;
+  [[nodiscard]] bool operator==(const StereoOptions&) const = default;
 };
 [[nodiscard]] OptionSet describe(StereoOptions& options);
 
@@ -37,13 +40,16 @@ struct StereoOptions {
 class StereoMatcher {
  public:
   // The images must be rectified, 8-bit grey, of one size. The view is valid until the next call.
-  // Errors: empty images, sizes that differ, options out of range, a range wider than the image.
+  // With one thread nothing is allocated after the first frame of a size and options, edges of kind
+  // laplacian excepted. Errors: empty images, sizes that differ, options out of range, a range
+  // wider than the image.
   [[nodiscard]] Result<ImageView<const Disparity>> match(ImageView<const std::uint8_t> left,
                                                          ImageView<const std::uint8_t> right,
                                                          const StereoOptions& options,
                                                          const Context& context = {});
 
  private:
+  std::optional<StereoOptions> checked_;  // the last options found good
   Image<std::uint8_t> left_edges_;
   Image<std::uint8_t> right_edges_;
   Image<Disparity> disparity_;

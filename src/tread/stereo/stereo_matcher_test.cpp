@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <random>
+#include <vector>
 
 #include "stereo_images.hpp"
 #include "tread/stereo/depth.hpp"
@@ -186,6 +189,46 @@ TEST(Depth, CloudHasOnePointAPixelInLeftAxesForEitherReference) {
   ASSERT_EQ(cloud.points.size(), 1U);
   EXPECT_TRUE(cloud.colours.empty());
   EXPECT_NEAR(cloud.points[0].x() - x_left, rig->baseline_m, 1e-5);
+}
+
+// Whatever the sizes, strides and options: an answer or an error, and nothing read outside the
+// images (they end with their last pixel; the sanitizer looks).
+TEST(StereoMatcher, AnySizeAndOptionsGiveAnAnswerOrAnError) {
+  std::mt19937 random(11);
+  const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
+  StereoMatcher matcher;
+  int matched = 0, refused = 0;
+  for (int round = 0; round < 300; ++round) {
+    const int width = 1 + below(90), height = 1 + below(40), stride = width + below(4);
+    std::vector<std::uint8_t> left(static_cast<std::size_t>(stride * (height - 1) + width));
+    for (auto& pixel : left) pixel = static_cast<std::uint8_t>(random());
+    const std::vector<std::uint8_t> right = left;
+    StereoOptions options;
+    options.method = below(2) == 0 ? StereoMethod::kSad : StereoMethod::kSgm;
+    options.edges.kind = std::array{EdgeKind::kGradient, EdgeKind::kLaplacian,
+                                    EdgeKind::kNone}[static_cast<std::size_t>(below(3))];
+    options.edges.gain = below(2) == 0 ? 1.0 : 3.0;
+    options.edges.limit = 1 + below(128);
+    options.sad.reference = below(4) == 0 ? Reference::kRight : Reference::kLeft;
+    options.sad.window_width_px = 1 + below(33);  // even ones are refused
+    options.sad.window_height_px = 1 + 2 * below(16);
+    options.sad.min_disparity_px = below(12);
+    options.sad.num_disparities = below(100);  // none, or more than the image has, is refused
+    options.sad.border = below(2) == 0 ? Border::kFullWindow : Border::kReplicate;
+    options.sad.uniqueness_percent = below(100);
+    options.holes.temporal = below(2) == 0;
+    const auto found =
+        matcher.match(ImageView<const std::uint8_t>{left.data(), width, height, stride},
+                      ImageView<const std::uint8_t>{right.data(), width, height, stride}, options);
+    (found ? matched : refused) += 1;
+    if (found) {
+      EXPECT_TRUE(found->width == width && found->height == height);
+    } else {
+      EXPECT_FALSE(found.error().remedy.empty());
+    }
+  }
+  EXPECT_GT(matched, 30);
+  EXPECT_GT(refused, 30);
 }
 
 }  // namespace
