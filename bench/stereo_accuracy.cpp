@@ -4,7 +4,8 @@
 //   bad-1/2  share of those estimated that are off by more than 1 or 2 px
 //   error    mean absolute error of those estimated, px
 //   missed-2 share of all pixels of known truth that are not estimated or off by more than 2 px
-// Usage: stereo_accuracy [--json] [name=value ...]   options of ours, as `tread depth --set`
+// Usage: stereo_accuracy [--json] [--ours] [name=value ...]
+//   --ours  without the rivals; options of ours, as `tread depth --set`
 #include <fmt/format.h>
 
 #include <chrono>
@@ -100,7 +101,7 @@ void print_row(const std::string& name, const std::string& method, const Score& 
 }  // namespace
 
 int main(int argc, char** argv) {
-  bool json = false;
+  bool json = false, rivals = true;
   StereoOptions options;
   OptionSet described = describe(options);
   for (int i = 1; i < argc; ++i) {
@@ -108,8 +109,10 @@ int main(int argc, char** argv) {
     const std::size_t equals = word.find('=');
     if (word == "--json") {
       json = true;
+    } else if (word == "--ours") {
+      rivals = false;
     } else if (equals == std::string::npos) {
-      fmt::print(stderr, "usage: stereo_accuracy [--json] [name=value ...]\n");
+      fmt::print(stderr, "usage: stereo_accuracy [--json] [--ours] [name=value ...]\n");
       return 2;
     } else if (Status s = described.set(word.substr(0, equals), word.substr(equals + 1)); !s) {
       fmt::print(stderr, "{}\n", s.error().message());
@@ -122,7 +125,7 @@ int main(int argc, char** argv) {
     return 1;
   }
   cv::setNumThreads(1);
-  const std::vector<std::pair<std::string, Method>> methods = {
+  std::vector<std::pair<std::string, Method>> methods = {
       {"tread sad",
        [&](const StereoPair& p) { return match_ours(p, options, StereoMethod::kSad); }},
       {"tread sgm",
@@ -134,6 +137,7 @@ int main(int argc, char** argv) {
       {"SGBM",
        [](const StereoPair& p) { return match_opencv_sgbm(p, cv::StereoSGBM::MODE_SGBM); }}};
 
+  if (!rivals) methods.resize(2);
   nlohmann::ordered_json result = {{"benchmark", "stereo_accuracy"}};
   std::map<std::string, std::map<std::string, std::vector<Score>>> by_set;
   std::vector<std::string> sets;

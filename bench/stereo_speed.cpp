@@ -4,7 +4,8 @@
 //   ratio   the rival's time over ours
 //   GDE/s   disparities tried a second, 1e9
 //   cycles  of the time stamp counter for each pixel and disparity
-// Usage: stereo_speed [--json] [--turns N]
+// Usage: stereo_speed [--json] [--turns N] [--ours] [name=value ...]
+//   --ours  without the rivals, 640x480x64, one thread; options of ours, as `tread depth --set`
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -69,13 +70,14 @@ cv::Mat wrap(const Image<std::uint8_t>& image) {
           static_cast<std::size_t>(image.stride)};
 }
 
-std::vector<Method> methods_of(const Frame& frame, int threads) {
+std::vector<Method> methods_of(const Frame& frame, int threads, const StereoOptions& chosen,
+                               bool rivals) {
   std::vector<Method> methods;
   const auto add = [&](const std::string& name, std::function<void()> run) {
     methods.push_back({name, std::move(run)});
   };
   const auto add_ours = [&](const std::string& name, StereoMethod method) {
-    StereoOptions options;
+    StereoOptions options = chosen;
     options.method = method;
     options.sad.num_disparities = frame.num_disparities;
     add(name, [&frame, options, threads, matcher = std::make_shared<StereoMatcher>()] {
@@ -85,6 +87,7 @@ std::vector<Method> methods_of(const Frame& frame, int threads) {
   };
   add_ours("tread sad", StereoMethod::kSad);
   add_ours("tread sgm", StereoMethod::kSgm);
+  if (!rivals) return methods;
   const auto add_opencv = [&](const std::string& name, const cv::Ptr<cv::StereoMatcher>& matcher) {
     matcher->setSpeckleWindowSize(100);
     matcher->setSpeckleRange(2);
@@ -122,16 +125,26 @@ void measure(std::vector<Method>& methods, int turns) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  bool json = false;
+  bool json = false, rivals = true;
   int turns = 30;
+  StereoOptions options;
+  OptionSet described = describe(options);
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
+    const std::size_t equals = word.find('=');
     if (word == "--json") {
       json = true;
+    } else if (word == "--ours") {
+      rivals = false;
+    } else if (equals != std::string::npos) {
+      if (Status s = described.set(word.substr(0, equals), word.substr(equals + 1)); !s) {
+        fmt::print(stderr, "{}\n", s.error().message());
+        return 2;
+      }
     } else if (word == "--turns" && i + 1 < argc && std::atoi(argv[i + 1]) > 0) {
       turns = std::atoi(argv[++i]);
     } else {
-      fmt::print(stderr, "usage: stereo_speed [--json] [--turns N]\n");
+      fmt::print(stderr, "usage: stereo_speed [--json] [--turns N] [--ours] [name=value ...]\n");
       return 2;
     }
   }
@@ -154,15 +167,16 @@ int main(int argc, char** argv) {
       scaled(*kitti, kitti->left.width, kitti->left.height, kitti->num_disparities)};
   frames.back().name = "KITTI " + frames.back().name;
 
+  if (!rivals) frames = {frames[1]};
   nlohmann::ordered_json result = {{"benchmark", "stereo_speed"}, {"turns", turns}};
   if (!json) {
     fmt::print("{:20} {:>7} {:12} {:>8} {:>7} {:>7} {:>7}\n", "pair", "threads", "method", "ms",
                "ratio", "GDE/s", "cycles");
   }
   for (const Frame& frame : frames) {
-    for (const int threads : {1, 2}) {
+    for (const int threads : rivals ? std::vector{1, 2} : std::vector{1}) {
       cv::setNumThreads(threads);
-      std::vector<Method> methods = methods_of(frame, threads);
+      std::vector<Method> methods = methods_of(frame, threads, options, rivals);
       measure(methods, turns);
       const double tried =
           static_cast<double>(frame.left.width) * frame.left.height * frame.num_disparities;
