@@ -1,15 +1,16 @@
-// OpenCV decodes PNG and JPEG from memory, after our own check of the file. Its warnings and those
-// of libpng and libjpeg go to stderr and cannot be turned off from here; the check lets only files
-// through whose structure is sound, which leaves them damaged JPEG data to warn of.
+// Files are checked (image_header) before any pixel is decoded (image_codecs, pnm). OpenCV encodes
+// PNG.
 #include "tread/io/image_file.hpp"
 
 #include <fmt/format.h>
 
 #include <exception>
+#include <new>
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
 
 #include "tread/io/atomic_file.hpp"
+#include "tread/io/image_codecs.hpp"
 #include "tread/io/image_header.hpp"
 #include "tread/io/pnm.hpp"
 
@@ -25,23 +26,29 @@ tl::unexpected<Error> not_decoded(const std::string& where, const std::string& w
               "Copy or record it again");
 }
 
-// One or three channels (blue, green, red) of 8 or 16 bits, of the size the header says.
+// Memory is what users run out of; OpenCV's own words, with places in its sources, tell them
+// nothing.
+const char* reason_of(const std::exception& error) {
+  const bool memory =
+      dynamic_cast<const std::bad_alloc*>(&error) != nullptr ||
+      std::string_view(error.what()).find("Insufficient memory") != std::string_view::npos;
+  return memory ? " (out of memory)" : "";
+}
+
+// One or three channels (blue, green, red) of 8 or 16 bits.
 Result<cv::Mat> decode(const std::string& bytes, const ImageHeader& header,
                        const std::string& where) {
   try {
-    const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1,
-                         const_cast<char*>(bytes.data()));
-    cv::Mat image = cv::imdecode(
-        buffer, cv::IMREAD_ANYCOLOR | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
-    const bool known_depth = image.depth() == CV_8U || image.depth() == CV_16U;
-    const bool known_channels = image.channels() == 1 || image.channels() == 3;
-    if (image.empty() || !known_depth || !known_channels || image.cols != header.width ||
-        image.rows != header.height) {
-      return not_decoded(where, "");
-    }
+    cv::Mat image(header.height, header.width,
+                  CV_MAKETYPE(header.bits == 16 ? CV_16U : CV_8U, header.colour ? 3 : 1));
+    const PixelRows rows{image.data, image.step};
+    const Status decoded = header.format == ImageFormat::kPng
+                               ? decode_png(bytes, header, where, rows)
+                               : decode_jpeg(bytes, header, where, rows);
+    if (!decoded) return forward(decoded);
     return image;
-  } catch (const std::exception& e) {
-    return not_decoded(where, fmt::format(" ({})", e.what()));
+  } catch (const std::exception& error) {
+    return not_decoded(where, reason_of(error));
   }
 }
 
@@ -65,8 +72,8 @@ Result<cv::Mat> decode_netpbm(const std::string& bytes, const std::string& where
     cv::Mat shallow;
     deep.convertTo(shallow, CV_8U);
     return shallow;
-  } catch (const std::exception& e) {
-    return not_decoded(where, fmt::format(" ({})", e.what()));
+  } catch (const std::exception& error) {
+    return not_decoded(where, reason_of(error));
   }
 }
 
@@ -138,9 +145,9 @@ Result<std::string> encode(const cv::Mat& image, const std::string& where) {
   try {
     std::vector<unsigned char> bytes;
     if (cv::imencode(".png", image, bytes)) return std::string(bytes.begin(), bytes.end());
-  } catch (const std::exception& e) {
-    return fail(ErrorCode::kWriteFailed, fmt::format("cannot encode as PNG: {}", e.what()), where,
-                "Check the size of the image");
+  } catch (const std::exception& error) {
+    return fail(ErrorCode::kWriteFailed, fmt::format("cannot encode as PNG{}", reason_of(error)),
+                where, "Check the size of the image");
   }
   return fail(ErrorCode::kWriteFailed, "cannot encode as PNG", where,
               "Check the size of the image");
