@@ -61,9 +61,10 @@ Status info_nav2(std::map<std::string, std::string>& keys, const fs::path& path,
     if (keys.contains(key)) output.values[key] = keys[key];
   }
   output.values["size_px"] = {size->width, size->height};
+  const auto cell_m = parse_number<double>(keys["resolution"]);
   say_kind("map for Nav2's map server",
-           fmt::format("{}, {}x{} cells of {} m from {}{}", keys["image"], size->width,
-                       size->height, keys["resolution"], keys["origin"],
+           fmt::format("{}, {}x{} cells of {}{}", keys["image"], size->width, size->height,
+                       cell_m ? fmt::format("{:g} m", *cell_m) : keys["resolution"],
                        keys.contains("mode") ? ", mode " + keys["mode"] : ""),
            output);
   return {};
