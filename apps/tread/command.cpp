@@ -47,9 +47,9 @@ Status apply_settings(const CommonOptions& common, OptionSet& options) {
   }
   for (const std::string& setting : common.settings) {
     const std::size_t equals = setting.find('=');
-    if (equals == std::string::npos) {
-      return fail(ErrorCode::kBadArgument, "no '=' in it", "--set " + setting,
-                  "Write --set name=value");
+    if (equals == std::string::npos || equals == 0) {
+      return fail(ErrorCode::kBadArgument, equals == 0 ? "no name before the '='" : "no '=' in it",
+                  "--set " + setting, "Write --set name=value");
     }
     if (Status done = options.set(setting.substr(0, equals), setting.substr(equals + 1)); !done) {
       done.error().where = "--set " + done.error().where;
@@ -142,8 +142,9 @@ int print_exception(const std::exception& error) {
                       text.find("Insufficient memory") != std::string::npos;
   if (memory) {
     return print_error({ErrorCode::kUnsupported, "out of memory", "",
-                        "Close other programs, or take smaller images (--set shrink=2) or a "
-                        "coarser map (--set local.resolution_m=0.2)"});
+                        "Close other programs, match smaller images (--set shrink=2), or map "
+                        "less (--set depth.max_depth_m=10) or coarser cells (--set "
+                        "local.resolution_m=0.2)"});
   }
   // OpenCV: "OpenCV(4.6.0) file:line: error: (code) what in function 'f'"
   if (const std::size_t said = text.find("error: ");

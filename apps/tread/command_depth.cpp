@@ -192,9 +192,23 @@ bool has_depth(const DepthRun& run) {
   return !run.cloud.points.empty();
 }
 
+bool same_picture(const DepthRun& run) {
+  for (int y = 0; y < run.left.height; ++y) {
+    if (!std::equal(run.left.row(y), run.left.row(y) + run.left.width, run.right.row(y))) {
+      return false;
+    }
+  }
+  return true;
+}
+
 // What hinders, if nothing was matched or none of it lies within the kept depths.
 std::optional<Error> find_problem(const DepthArguments& arguments, const DepthRun& run) {
   const SadOptions& sad = run.settings.stereo.sad;
+  if (!has_match(run) && same_picture(run)) {
+    return Error{ErrorCode::kBadValue, "no pixel was matched: the two pictures are the same",
+                 arguments.left + " and " + arguments.right,
+                 "Give the left and the right image of a stereo camera"};
+  }
   if (!has_match(run)) {
     return Error{
         ErrorCode::kBadValue,

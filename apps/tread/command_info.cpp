@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "command.hpp"
@@ -192,6 +193,31 @@ Status info_file(const fs::path& path, Output& output) {
               "and path.csv: docs/file-formats.md");
 }
 
+// A folder that a command has written, by a file that only this command writes; nothing if it is
+// none.
+std::optional<std::string> results_in(const fs::path& folder) {
+  constexpr std::array<std::pair<const char*, const char*>, 3> kSigns = {
+      {{"disparity.pfm", "results of 'tread depth'"},
+       {"plan.png", "results of 'tread plan'"},
+       {"trajectory.tum", "results of 'tread map' without a map, as nothing was mapped"}}};
+  std::error_code ignored;
+  for (const auto& [sign, kind] : kSigns) {
+    if (fs::exists(folder / sign, ignored)) return kind;
+  }
+  return std::nullopt;
+}
+
+void info_results(const fs::path& folder, const std::string& kind, Output& output) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    names.push_back(at->path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  output.values["files"] = names;
+  say_kind(kind, fmt::format("{}", fmt::join(names, ", ")), output);
+}
+
 int run_info(const std::string& path, const std::string& rig, const CommonOptions& common) {
   Output output(common.json);
   output.values["path"] = path;
@@ -205,6 +231,8 @@ int run_info(const std::string& path, const std::string& rig, const CommonOption
     done = info_file(path, output);
   } else if (fs::exists(fs::path(path) / "map.yaml", ignored)) {
     done = info_map(path, output);
+  } else if (const auto results = results_in(path)) {
+    info_results(path, *results, output);
   } else {
     done = info_source(path, rig, output);
   }

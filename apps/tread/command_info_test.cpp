@@ -38,6 +38,8 @@ TEST(TreadInfo, KnowsEveryKind) {
       {(out / "kitti.txt").string(), "trajectory (KITTI"},
       {(out / "times.txt").string(), "times"},
       {(out / "i.PPM").string(), "image"},
+      {(out / "d").string(), "results of 'tread depth'"},
+      {TREAD_SOURCE_DIR "/examples/demo.yaml", "options"},
       {(drive() / "rig.yaml").string(), "stereo rig"},
       {"bumblebee2-1024", "stereo rig"}};
   for (const auto& [path, kind] : cases) {

@@ -290,12 +290,12 @@ void add_map_command(CLI::App& app, int& status, const std::string& command_line
   command
       ->add_option("--start", arguments->start,
                    "Start of the plan, m in the world of the poses; default: the first pose")
-      ->type_name("X Y")
+      ->option_text("X Y")
       ->expected(2);
   command
       ->add_option("--goal", arguments->goal,
                    "Goal of the plan, m; default: ahead of the last pose, beyond the map")
-      ->type_name("X Y")
+      ->option_text("X Y")
       ->expected(2);
   command->add_flag("--features", arguments->features,
                     "Also layers slope, step, roughness and traversability (1 good, 0 bad)");

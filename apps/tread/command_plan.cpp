@@ -111,11 +111,11 @@ void add_plan_command(CLI::App& app, int& status) {
   command
       ->add_option("--start", arguments->start,
                    "Where the robot is, m in the frame of the map; must lie on it")
-      ->type_name("X Y")
+      ->option_text("X Y REQUIRED")
       ->expected(2)
       ->required();
   command->add_option("--goal", arguments->goal, "Where it should go, m; may lie beyond the map")
-      ->type_name("X Y")
+      ->option_text("X Y REQUIRED")
       ->expected(2)
       ->required();
   add_common_options(*command, arguments->common);

@@ -123,15 +123,15 @@ TEST(TreadDepth, WrongInputsAreNamed) {
   expect_refused("depth " + pair_arguments() + " --set stereo.sad.window_width_px=4",
                  {"stereo.sad.window_width_px", "odd"});
   expect_refused("depth " + pair_arguments() + " --set nonsense", {"name=value"});
+  expect_refused("depth " + pair_arguments() + " --set =3", {"no name", "name=value"});
   expect_refused("depth " + pair_arguments() + " --num-disparities 400", {"320"});
   expect_refused("depth " + pair_arguments() + " -o " + left + "/x", {left});
 }
 
 // Two grey images: nothing to match.
 std::string grey_pair(const ScratchFolder& folder) {
-  const Image<std::uint8_t> grey(320, 240, 100);
-  EXPECT_TRUE(write_png(folder / "l.png", grey.view()));
-  EXPECT_TRUE(write_png(folder / "r.png", grey.view()));
+  EXPECT_TRUE(write_png(folder / "l.png", Image<std::uint8_t>(320, 240, 100).view()));
+  EXPECT_TRUE(write_png(folder / "r.png", Image<std::uint8_t>(320, 240, 101).view()));
   return (folder / "l.png").string() + " " + (folder / "r.png").string();
 }
 
@@ -154,6 +154,11 @@ TEST(TreadDepth, NothingMatchedIsAFailureWithItsPictures) {
     EXPECT_TRUE(fs::exists(scratch / "d" / name)) << name;
   }
   EXPECT_FALSE(fs::exists(scratch / "d/depth.tif"));
+}
+
+TEST(TreadDepth, TheSamePictureTwiceIsSaid) {
+  const std::string left = (drive() / "left/000001.png").string();
+  expect_refused("depth " + left + " " + left, {"left/000001.png", "are the same"});
 }
 
 TEST(TreadDepth, NoDepthWithinTheGateIsAFailure) {

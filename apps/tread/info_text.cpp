@@ -125,6 +125,11 @@ std::optional<Status> info_text(const fs::path& path, Output& output) {
   if (keys.contains("image") && keys.contains("resolution") && keys.contains("origin")) {
     return info_nav2(keys, path, output);
   }
+  for (const char* option : {"stereo", "local", "global", "cost", "plan", "lethal_cost"}) {
+    if (!keys.contains(option) || keys.contains("tread_rig")) continue;
+    say_kind("options", "for --config of depth, map or plan", output);
+    return Status{};
+  }
   // Matrices of a calibration have twelve numbers too, but are no rigid motions.
   const auto fields = split_fields(first);
   const bool numbers = std::all_of(fields.begin(), fields.end(), [](std::string_view field) {

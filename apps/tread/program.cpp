@@ -1,6 +1,7 @@
 // Parsing of the command line, and what is said where it is wrong.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iostream>
 
 #include "command.hpp"
@@ -42,6 +43,23 @@ std::string words_of(const CLI::ParseError& error, const CLI::App& command) {
   return what;
 }
 
+// Broken into lines that fit beside the names of the options on 80 to 100 columns.
+std::string wrapped(const std::string& text) {
+  constexpr std::size_t kWidth = 64;
+  std::string out;
+  std::size_t column = 0;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find(' ', at), text.size());
+    const std::string word = text.substr(at, end - at);
+    const bool breaks = column > 0 && column + 1 + word.size() > kWidth;
+    if (column > 0) out += breaks ? '\n' : ' ';
+    column = breaks ? word.size() : column + word.size() + (column > 0 ? 1 : 0);
+    out += word;
+    at = end + 1;
+  }
+  return out;
+}
+
 }  // namespace
 
 int run_program(int argc, const char* const* argv, const std::string& version) {
@@ -58,6 +76,11 @@ int run_program(int argc, const char* const* argv, const std::string& version) {
   add_map_command(app, status, line);
   add_plan_command(app, status);
   add_info_command(app, status);
+  for (CLI::App* command : app.get_subcommands({})) {
+    for (CLI::Option* option : command->get_options()) {
+      option->description(wrapped(option->get_description()));
+    }
+  }
   const std::string commands = fmt::format("{}", fmt::join(kCommands, ", "));
   if (argc < 2) return wrong_usage("no command. Commands are: " + commands, "tread");
   if (const auto word = unknown_command(argc, argv)) {

@@ -21,18 +21,20 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kLargestFile = std::size_t{1} << 30;
 
-tl::unexpected<Error> not_decoded(const std::string& where, const std::string& why) {
-  return fail(ErrorCode::kUnreadable, "the picture cannot be decoded" + why, where,
-              "Copy or record it again");
-}
-
 // Memory is what users run out of; OpenCV's own words, with places in its sources, tell them
 // nothing.
-const char* reason_of(const std::exception& error) {
-  const bool memory =
-      dynamic_cast<const std::bad_alloc*>(&error) != nullptr ||
-      std::string_view(error.what()).find("Insufficient memory") != std::string_view::npos;
-  return memory ? " (out of memory)" : "";
+bool is_out_of_memory(const std::exception& error) {
+  return dynamic_cast<const std::bad_alloc*>(&error) != nullptr ||
+         std::string_view(error.what()).find("Insufficient memory") != std::string_view::npos;
+}
+
+tl::unexpected<Error> not_decoded(const std::exception& error, const std::string& where) {
+  if (is_out_of_memory(error)) {
+    return fail(ErrorCode::kUnsupported, "out of memory for this picture", where,
+                "Close other programs, or take smaller images");
+  }
+  return fail(ErrorCode::kUnreadable, "the picture cannot be decoded", where,
+              "Copy or record it again");
 }
 
 // One or three channels (blue, green, red) of 8 or 16 bits.
@@ -48,7 +50,7 @@ Result<cv::Mat> decode(const std::string& bytes, const ImageHeader& header,
     if (!decoded) return forward(decoded);
     return image;
   } catch (const std::exception& error) {
-    return not_decoded(where, reason_of(error));
+    return not_decoded(error, where);
   }
 }
 
@@ -73,7 +75,7 @@ Result<cv::Mat> decode_netpbm(const std::string& bytes, const std::string& where
     deep.convertTo(shallow, CV_8U);
     return shallow;
   } catch (const std::exception& error) {
-    return not_decoded(where, reason_of(error));
+    return not_decoded(error, where);
   }
 }
 
@@ -146,8 +148,10 @@ Result<std::string> encode(const cv::Mat& image, const std::string& where) {
     std::vector<unsigned char> bytes;
     if (cv::imencode(".png", image, bytes)) return std::string(bytes.begin(), bytes.end());
   } catch (const std::exception& error) {
-    return fail(ErrorCode::kWriteFailed, fmt::format("cannot encode as PNG{}", reason_of(error)),
-                where, "Check the size of the image");
+    return fail(
+        ErrorCode::kWriteFailed,
+        fmt::format("cannot encode as PNG{}", is_out_of_memory(error) ? " (out of memory)" : ""),
+        where, "Check the size of the image");
   }
   return fail(ErrorCode::kWriteFailed, "cannot encode as PNG", where,
               "Check the size of the image");
