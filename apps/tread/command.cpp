@@ -65,6 +65,10 @@ void print_config(const std::string& command, const OptionSet& options) {
             << options_as_yaml(options);
 }
 
+std::string frames_text(std::size_t count) {
+  return fmt::format("{} frame{}", count, count == 1 ? "" : "s");
+}
+
 Status check_place(const std::string& option, const std::vector<double>& place) {
   constexpr double kFarthest_m = 1e7;  // from the equator to a pole
   for (const double coordinate : place) {

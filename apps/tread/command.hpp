@@ -41,6 +41,9 @@ void add_setting_options(CLI::App& command, CommonOptions& common);
 // What --print-config prints: a file for --config that gives these options again.
 void print_config(const std::string& command, const OptionSet& options);
 
+// "1 frame", "30 frames"
+[[nodiscard]] std::string frames_text(std::size_t count);
+
 // A place of the command line: finite, and on this earth.
 [[nodiscard]] Status check_place(const std::string& option, const std::vector<double>& place);
 

@@ -50,7 +50,8 @@ Status info_source(const fs::path& path, const std::string& rig, Output& output)
   output.values["kind"] = (*source)->kind();
   output.values["frames"] = (*source)->frame_count();
   output.values["poses"] = (*source)->has_poses();
-  output.line(fmt::format("{}: {} frames, {}", (*source)->kind(), (*source)->frame_count(),
+  output.line(fmt::format("{}: {}, {}", (*source)->kind(),
+                          frames_text(static_cast<std::size_t>((*source)->frame_count())),
                           (*source)->has_poses() ? "with poses" : "without poses"));
   describe_rig((*source)->rig(), output);
   return {};

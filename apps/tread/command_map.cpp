@@ -93,7 +93,7 @@ std::size_t frames_of(const MapRun& run) {
 
 Error nothing_mapped(const MapArguments& arguments, const MapRun& run) {
   return {ErrorCode::kBadValue,
-          fmt::format("no ground was mapped from {} frames", run.trajectory.size()),
+          fmt::format("no ground was mapped from {}", frames_text(run.trajectory.size())),
           arguments.source,
           fmt::format("Likely nothing was matched, the rig, its mount or the poses are wrong, or "
                       "depth.max_depth_m and local.max_height_m leave nothing: see the stages of "
@@ -180,8 +180,8 @@ void summarise(const RoverMapper& mapper, const MapRun& run, Output& output) {
   output.values["frames_per_second"] = 1000.0 * frames / run.frame_ms;
   output.values["frames_per_second_with_reading"] = 1000.0 * frames / run.wall_ms;
   output.line(fmt::format(
-      "{} frames, {} disparities, range {:.1f} m: {:.1f} frames per second ({:.1f} with reading)",
-      run.trajectory.size(), mapper.options().stereo.sad.num_disparities,
+      "{}, {} disparities, range {:.1f} m: {:.1f} frames per second ({:.1f} with reading)",
+      frames_text(run.trajectory.size()), mapper.options().stereo.sad.num_disparities,
       mapper.options().depth.max_depth_m, 1000.0 * frames / run.frame_ms,
       1000.0 * frames / run.wall_ms));
   const CellRect& bounds = mapper.ground().bounds();
@@ -249,7 +249,8 @@ int run_map(const MapArguments& arguments) {
   const Context context{arguments.common.threads, &run.timings};
   Output output(arguments.common.json);
   output.values["command"] = "map";
-  output.line(fmt::format("{}: {} frames", (*source)->kind(), (*source)->frame_count()));
+  output.line(fmt::format("{}: {}", (*source)->kind(),
+                          frames_text(static_cast<std::size_t>((*source)->frame_count()))));
   map_frames(**source, *mapper, context, arguments.common, run);
   if (run.trajectory.empty() && run.problems.empty()) {
     return print_error({ErrorCode::kNotFound, "there are no frames", arguments.source,

@@ -178,7 +178,8 @@ Report map_report(const std::string& command_line, const StereoSource& source,
                   const RoverMapper& mapper, const PlannerOptions& options, const MapRun& run) {
   const double cell = mapper.ground().resolution_m();
   const double frames = static_cast<double>(run.trajectory.size());
-  Report report("Ground map", fmt::format("{}, {} frames", source.kind(), run.trajectory.size()));
+  Report report("Ground map",
+                fmt::format("{}, {}", source.kind(), frames_text(run.trajectory.size())));
   report.set_command(command_line);
   report.add_key_numbers(
       {{"explored", number_text(run.explored_cells * cell * cell), "m2"},
