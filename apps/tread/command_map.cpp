@@ -95,9 +95,10 @@ Error nothing_mapped(const MapArguments& arguments, const MapRun& run) {
   return {ErrorCode::kBadValue,
           fmt::format("no ground was mapped from {}", frames_text(run.trajectory.size())),
           arguments.source,
-          fmt::format("Likely nothing was matched, the rig, its mount or the poses are wrong, or "
-                      "depth.max_depth_m and local.max_height_m leave nothing: see the stages of "
-                      "a frame in report.html{}",
+          fmt::format("Likely nothing was matched, the rig, its mount or the poses are wrong, "
+                      "depth.max_depth_m and local.max_height_m leave nothing, or the cells "
+                      "(local.resolution_m) are too small for the points: see the stages of a "
+                      "frame in report.html{}",
                       arguments.common.output ? "" : " (-o DIR)")};
 }
 
