@@ -40,6 +40,8 @@ struct HeavyHeader {
 const std::vector<HeavyHeader> kHeavy = {
     {"opencv2/", {"io", "calibrate", "slam"}},
     {"yaml-cpp/", {"io"}},
+    {"png.h", {"io"}},
+    {"jpeglib.h", {"io"}},
     {"tiff", {"io"}},
     {"geotiff", {"io"}},
     {"xtiffio", {"io"}},

@@ -2,36 +2,65 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <chrono>
+#include <exception>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pictures.hpp"
 #include "tread/core/options.hpp"
 #include "tread/core/result.hpp"
 #include "tread/core/timer.hpp"
+#include "tread/io/atomic_file.hpp"
 #include "tread/plan/planner.hpp"
 
 namespace tread {
 
 struct CommonOptions {
-  std::string output;                 // -o
+  std::optional<std::string> output;  // -o
   bool json = false;                  // --json
   int threads = 2;                    // --threads
   std::string config;                 // --config
   std::vector<std::string> settings;  // --set name=value
+  bool print_config = false;          // --print-config
 };
-// -o, --json, --threads; with settings also --config and --set.
+// -o, --json, --threads; with settings also --config, --set and --print-config, beside which
+// nothing else is required.
 void add_common_options(CLI::App& command, CommonOptions& common);
 void add_setting_options(CLI::App& command, CommonOptions& common);
 
-// Reads --config and then --set into the described options, and checks them.
-[[nodiscard]] Status apply_settings(const CommonOptions& common, OptionSet options);
+// Reads --config and then --set into the described options, and checks them. Afterwards
+// options.given() tells what the user gave.
+[[nodiscard]] Status apply_settings(const CommonOptions& common, OptionSet& options);
+// What --print-config prints: a file for --config that gives these options again.
+void print_config(const std::string& command, const OptionSet& options);
 
-// The folder of -o, made if it is not there.
-[[nodiscard]] Status make_output_folder(const std::filesystem::path& folder);
+// "1 frame", "30 frames"
+[[nodiscard]] std::string frames_text(std::size_t count);
+
+// A place of the command line: finite, and on this earth.
+[[nodiscard]] Status check_place(const std::string& option, const std::vector<double>& place);
+
+// Before the work: makes the folder of -o, if one is given, and tries to write into it.
+[[nodiscard]] Status prepare_output(const CommonOptions& common);
+
+// Writes one file of a set; `write(path)` does it. Errors name the file and not its temporary name.
+template <class Write>
+[[nodiscard]] Status add_file(FileSet& set, const std::string& name, const Write& write) {
+  Status done = write(set.add(name));
+  if (!done) done.error().where = (set.folder() / name).string();
+  return done;
+}
+// A folder in which all files of `always` are is known as one that the same command wrote before:
+// the files of `sometimes` that it wrote and this run does not go with the commit.
+void remove_earlier(FileSet& set, std::span<const char* const> always,
+                    std::span<const char* const> sometimes);
 
 // Collects what a command says: lines for people, or with --json one object at the end.
 class Output {
@@ -39,7 +68,8 @@ class Output {
   explicit Output(bool json) : json_(json) {}
   nlohmann::ordered_json values;  // what --json prints
   void line(const std::string& text) const;
-  void wrote(const std::filesystem::path& file);
+  // Commits the set and says what is in the folder now.
+  [[nodiscard]] Status commit(FileSet& set);
   void print_json() const;
 
  private:
@@ -48,6 +78,11 @@ class Output {
 
 // "tread: ..." on standard error; gives the exit status.
 int print_error(const Error& error);
+// The same for what was thrown: people are told what it means for them, without the inner words of
+// libraries.
+int print_exception(const std::exception& error);
+// How many of the frames could not be used, and the first ones of the reasons.
+int print_problems(const std::vector<Error>& problems, std::size_t unused, std::size_t frames);
 
 // A bar on standard error, if that is a terminal and there is no --json.
 class Progress {
@@ -76,6 +111,12 @@ void draw_plan(MapPicture& picture, const Plan& plan, const Eigen::Vector2d& sta
                const Eigen::Vector2d& goal);
 // The command line as it was given, for the report.
 [[nodiscard]] std::string command_line(int argc, const char* const* argv);
+
+// The names of the commands, for messages.
+inline constexpr std::array<const char*, 4> kCommands = {"depth", "map", "plan", "info"};
+// The whole program: parses, runs, gives the exit status. 0: the work was done; 1: it was not; 2:
+// the command line was wrong.
+int run_program(int argc, const char* const* argv, const std::string& version);
 
 // Each adds its command; running it sets the exit status.
 void add_depth_command(CLI::App& app, int& status, const std::string& command_line);

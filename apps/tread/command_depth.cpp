@@ -2,58 +2,31 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "command.hpp"
-#include "report.hpp"
+#include "depth_run.hpp"
 #include "tread/core/shrink.hpp"
-#include "tread/geometry/rectification.hpp"
 #include "tread/io/image_file.hpp"
-#include "tread/io/mesh_file.hpp"
-#include "tread/io/raster_file.hpp"
 #include "tread/io/rig_file.hpp"
-#include "tread/stereo/depth.hpp"
 #include "tread/stereo/disparity_range.hpp"
-#include "tread/stereo/stereo_matcher.hpp"
 
 namespace tread {
 namespace {
 
-namespace fs = std::filesystem;
-
-struct DepthSettings {
-  StereoOptions stereo;
-  DepthOptions depth{0.0, 1e4};
-  int shrink = 1;
-};
+constexpr const char* kNumDisparities = "stereo.sad.num_disparities";
 
 OptionSet describe(DepthSettings& settings) {
   OptionSet set;
   set.add_group("stereo", describe(settings.stereo));
   set.add_group("depth", describe(settings.depth));
   set.add("shrink", settings.shrink, "match images shrunk by this factor", 1, 16);
+  set.add_automatic("auto_num_disparities", settings.auto_num_disparities,
+                    "widen the search to what the pair needs; off where num_disparities is given "
+                    "alone",
+                    kNumDisparities);
   return set;
 }
-
-struct DepthArguments {
-  std::string left, right, rig, profile = "general", method = "sad", command_line;
-  int num_disparities = 0;
-  CommonOptions common;
-};
-
-struct DepthRun {
-  ImageSize full_size;  // before shrinking
-  Image<Rgb> colour_left, colour_right;
-  Image<std::uint8_t> left, right;
-  std::optional<RectifiedRig> rig;  // empty without --rig: disparity only
-  DepthSettings settings;
-  Image<Disparity> disparity;
-  Image<float> disparity_px;  // NaN where there is no match
-  Image<float> depth;
-  PointCloud cloud;
-  Timings timings;
-};
 
 Status read_images(const DepthArguments& arguments, DepthRun& run) {
   auto left = read_colour(arguments.left);
@@ -111,9 +84,24 @@ Status rectify(const DepthArguments& arguments, const Context& context, DepthRun
   return {};
 }
 
-Status choose_settings(const DepthArguments& arguments, DepthRun& run) {
-  if (arguments.profile == "paper-q") run.settings = {paper_q_stereo_options(), DepthOptions{}, 1};
-  return apply_settings(arguments.common, describe(run.settings));
+OptionSet profile_settings(const DepthArguments& arguments, DepthSettings& settings) {
+  if (arguments.profile == "paper-q")
+    settings = {paper_q_stereo_options(), DepthOptions{}, 1, false};
+  return describe(settings);
+}
+
+Status choose_settings(const DepthArguments& arguments, OptionSet& options) {
+  if (Status applied = apply_settings(arguments.common, options); !applied) return applied;
+  if (!arguments.num_disparities) return {};
+  const std::string setting = std::string(kNumDisparities) + "=";
+  for (const std::string& other : arguments.common.settings) {
+    if (!other.starts_with(setting)) continue;
+    return fail(ErrorCode::kBadArgument, "it is also given by --set " + other, "--num-disparities",
+                "Give one of them");
+  }
+  Status set = options.set(kNumDisparities, std::to_string(*arguments.num_disparities));
+  if (set) options.settle();
+  return set;
 }
 
 void shrink_images(DepthRun& run) {
@@ -129,14 +117,12 @@ void shrink_images(DepthRun& run) {
   }
 }
 
-Status choose_range(const DepthArguments& arguments, const Context& context, DepthRun& run) {
-  if (arguments.num_disparities > 0) {
-    run.settings.stereo.sad.num_disparities = arguments.num_disparities;
-  } else if (arguments.profile == "general") {
-    const auto needed = estimate_num_disparities(run.left, run.right, run.settings.stereo, context);
-    if (!needed) return forward(needed);
-    run.settings.stereo.sad.num_disparities = *needed;
-  }
+Status choose_range(const Context& context, DepthRun& run) {
+  if (!run.settings.auto_num_disparities) return {};
+  const auto needed = estimate_num_disparities(run.left, run.right, run.settings.stereo, context);
+  if (!needed) return forward(needed);
+  int& range = run.settings.stereo.sad.num_disparities;
+  range = std::min(run.left.width, std::max(range, *needed));
   return {};
 }
 
@@ -163,138 +149,32 @@ Status compute(const Context& context, DepthRun& run) {
   return {};
 }
 
-ColourScale disparity_scale(const DepthRun& run) {
-  const ValueRange range = value_range(run.disparity_px, 0.002);
-  return {.label = "disparity",
-          .unit = "px",
-          .palette = Palette::kDisparity,
-          .low = range.low,
-          .high = range.high,
-          .unknown_label = "no match"};
-}
-
-ColourScale depth_scale(const DepthRun& run) {
-  const ValueRange range = value_range(run.depth, 0.01);
-  return {.label = "depth",
-          .unit = "m",
-          .palette = Palette::kDisparity,
-          .reversed = true,
-          .low = range.low,
-          .high = range.high};
-}
-
-Report make_report(const DepthArguments& arguments, const DepthRun& run) {
-  Report report("Depth", fmt::format("{} and {}", fs::path(arguments.left).filename().string(),
-                                     fs::path(arguments.right).filename().string()));
-  report.set_command(arguments.command_line);
-  std::vector<KeyNumber> numbers = {
-      {"image", fmt::format("{} x {}", run.left.width, run.left.height), "px"},
-      {"matched", fmt::format("{:.1f}", 100.0 * disparity_density(run.disparity)), "%"},
-      {"disparities searched", std::to_string(run.settings.stereo.sad.num_disparities), "px"}};
-  if (run.rig) numbers.push_back({"points", std::to_string(run.cloud.points.size()), ""});
-  report.add_key_numbers(numbers);
-  report.add_section("The pair", run.rig ? "Rectified: a point is on the same row in both images."
-                                         : "Taken as rectified: no rig was given.");
-  report.add_figure(run.colour_left, {.title = "Left"});
-  report.add_figure(run.colour_right, {.title = "Right"});
-  report.add_section("Disparity and depth",
-                     "Pixels without a match are unknown, not guessed. Point at a picture to read "
-                     "its values.");
-  report.add_figure(colour_map(run.disparity_px, disparity_scale(run)),
-                    {.title = "Disparity",
-                     .scale = disparity_scale(run),
-                     .values = values_under(run.disparity_px)});
-  if (run.rig) {
-    report.add_figure(
-        colour_map(run.depth, depth_scale(run)),
-        {.title = "Depth", .scale = depth_scale(run), .values = values_under(run.depth)});
-    Table table{"How finely depth is known", {"depth", "step of a quarter pixel"}, {}};
-    const ValueRange range = value_range(run.depth, 0.01);
-    for (int i = 0; i < 4; ++i) {
-      const double z = range.low + (range.high - range.low) * static_cast<float>(i) / 3.0F;
-      table.rows.push_back(
-          {number_text(z, "m"), number_text(1000.0 * depth_sigma_m(*run.rig, z), "mm")});
-    }
-    report.add_table(table);
-  }
-  report.add_timings(run.timings);
-  return report;
-}
-
-Status write_results(const DepthArguments& arguments, const DepthRun& run, Output& output) {
-  const fs::path folder = arguments.common.output;
-  if (Status made = make_output_folder(folder); !made) return made;
-  Image<float> pfm = run.disparity_px;  // PFM's word for unknown is infinity
-  for (int y = 0; y < pfm.height; ++y) {
-    std::replace_if(
-        pfm.row(y), pfm.row(y) + pfm.width, [](float v) { return std::isnan(v); },
-        std::numeric_limits<float>::infinity());
-  }
-  const auto keep = [&](const Status& status, const char* name) {
-    if (status) output.wrote(folder / name);
-    return status;
-  };
-  if (Status s = keep(write_pfm(folder / "disparity.pfm", pfm), "disparity.pfm"); !s) return s;
-  const ColourScale scale = disparity_scale(run);
-  if (Status s = keep(write_png(folder / "disparity.png",
-                                with_colour_bar(colour_map(run.disparity_px, scale), scale)),
-                      "disparity.png");
-      !s) {
-    return s;
-  }
-  if (run.rig) {
-    if (Status s = keep(write_tiff(folder / "depth.tif", run.depth), "depth.tif"); !s) return s;
-    if (Status s = keep(write_ply(folder / "cloud.ply", run.cloud), "cloud.ply"); !s) return s;
-  }
-  return keep(make_report(arguments, run).write(folder / "report.html"), "report.html");
-}
-
-void summarise(const DepthRun& run, Output& output) {
-  const double density = disparity_density(run.disparity);
-  const int range = run.settings.stereo.sad.num_disparities;
-  double total_ms = 0.0;
-  for (const auto& [path, entry] : run.timings.entries()) total_ms += entry.total_ms;
-  output.values["size_px"] = {run.left.width, run.left.height};
-  output.values["num_disparities"] = range;
-  output.values["density"] = density;
-  output.line(fmt::format("{}x{} px, {} disparities: {:.1f} % matched in {:.0f} ms", run.left.width,
-                          run.left.height, range, 100.0 * density, total_ms));
-  const ValueRange d = value_range(run.disparity_px, 0.01);
-  output.values["disparity_px"] = {{"low", d.low}, {"high", d.high}};
-  if (run.rig) {
-    const ValueRange z = value_range(run.depth, 0.01);
-    output.values["depth_m"] = {{"near", z.low}, {"far", z.high}};
-    output.values["points"] = run.cloud.points.size();
-    output.line(
-        fmt::format("depth {:.2f} to {:.2f} m, {} points; a quarter pixel is {} at {:.2f} m", z.low,
-                    z.high, run.cloud.points.size(),
-                    number_text(1000.0 * depth_sigma_m(*run.rig, z.high), "mm"), z.high));
-  } else {
-    output.line("no rig given (--rig): disparity only, the images taken as rectified");
-  }
-  output.values["timings"] = json_of(run.timings);
-}
-
 int run_depth(const DepthArguments& arguments) {
   DepthRun run;
   const Context context{arguments.common.threads, &run.timings};
   Output output(arguments.common.json);
   output.values["command"] = "depth";
-  if (Status s = choose_settings(arguments, run); !s) return print_error(s.error());
+  OptionSet options = profile_settings(arguments, run.settings);
+  if (Status s = choose_settings(arguments, options); !s) return print_error(s.error());
+  if (arguments.common.print_config) {
+    print_config("depth", options);
+    return 0;
+  }
   if (Status s = read_images(arguments, run); !s) return print_error(s.error());
   if (run.settings.shrink > 1) shrink_images(run);
   if (Status s = rectify(arguments, context, run); !s) return print_error(s.error());
-  if (Status s = choose_range(arguments, context, run); !s) return print_error(s.error());
+  if (Status s = prepare_output(arguments.common); !s) return print_error(s.error());
+  if (Status s = choose_range(context, run); !s) return print_error(s.error());
   run.timings.clear();
   if (Status s = compute(context, run); !s) return print_error(s.error());
+  run.problem = find_problem(arguments, run);
   summarise(run, output);
-  if (!arguments.common.output.empty()) {
+  if (arguments.common.output) {
     if (Status s = write_results(arguments, run, output); !s) return print_error(s.error());
-    output.line("wrote " + arguments.common.output + ": disparity.pfm, disparity.png" +
-                (run.rig ? ", depth.tif, cloud.ply" : "") + ", report.html");
   }
+  if (run.problem) output.values["problems"].push_back(run.problem->message());
   output.print_json();
-  return 0;
+  return run.problem ? print_error(*run.problem) : 0;
 }
 
 }  // namespace
@@ -303,30 +183,44 @@ void add_depth_command(CLI::App& app, int& status, const std::string& command_li
   CLI::App* command = app.add_subcommand("depth", "Disparity, depth and point cloud of a pair");
   auto arguments = std::make_shared<DepthArguments>();
   arguments->command_line = command_line;
-  command->add_option("LEFT", arguments->left, "Left image (PNG, JPEG, PGM)")->required();
-  command->add_option("RIGHT", arguments->right, "Right image")->required();
+  command->add_option("LEFT", arguments->left, "Left image: PNG, JPEG, PGM or PPM")
+      ->type_name("")
+      ->required();
+  command->add_option("RIGHT", arguments->right, "Right image of the same moment and size")
+      ->type_name("")
+      ->required();
   command
       ->add_option("--rig", arguments->rig,
-                   "Calibration: our YAML, OpenCV, KITTI, EuRoC, Kalibr, ROS, or a known name")
+                   "Calibration of the two cameras: a file of ours, OpenCV, KITTI, EuRoC, Kalibr "
+                   "or ROS, or a known name (bumblebee2-640, bumblebee2-1024). Without it: "
+                   "disparity only, and the images must be rectified")
       ->type_name("RIG");
-  command->add_option("--method", arguments->method, "Matcher")
-      ->check(CLI::IsMember({"sad"}))
+  command
+      ->add_option("--method", arguments->method, "Matcher; sad (block matching) is the only one")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"sad"}).description(""))
       ->capture_default_str();
   command
       ->add_option("--num-disparities", arguments->num_disparities,
-                   "Disparities to search; found from the images if not given")
-      ->check(CLI::Range(1, kMaxDisparity));
+                   "How many disparities to search, px; found from the images if not given")
+      ->type_name("N")
+      ->check(CLI::Range(1, kMaxDisparity).description(""));
   command
       ->add_option("--profile", arguments->profile,
-                   "general, or paper-q: right reference, 10 to 74 px, 0.8 to 4 m")
-      ->check(CLI::IsMember({"general", "paper-q"}))
+                   "Where the options start from: general, or paper-q (the settings of paper Q: "
+                   "right reference, 10 to 74 px, 0.8 to 4 m)")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"general", "paper-q"}).description(""))
       ->capture_default_str();
   add_common_options(*command, arguments->common);
   add_setting_options(*command, arguments->common);
   command->footer(
-      "Example:\n  tread depth left.png right.png --rig rig.yaml -o out\n"
-      "Writes disparity.pfm (px, inf = no match), disparity.png, depth.tif (m, NaN =\n"
-      "unknown), cloud.ply and report.html.");
+      "Examples:\n"
+      "  tread depth left.png right.png --rig rig.yaml -o out\n"
+      "  tread depth left.png right.png --rig rig.yaml --set depth.max_depth_m=20 -o out\n"
+      "  tread depth --print-config > options.yaml\n"
+      "Writes disparity.pfm (px, inf = no match), disparity.png, report.html; with a rig also\n"
+      "depth.tif (m, NaN = unknown) and cloud.ply. Files of an earlier run there are replaced.");
   command->callback([arguments, &status] { status = run_depth(*arguments); });
 }
 

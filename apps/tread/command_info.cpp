@@ -1,14 +1,18 @@
 // tread info: what a file or folder is, and what is in it.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+
 #include "command.hpp"
+#include "info_text.hpp"
 #include "tread/io/image_file.hpp"
 #include "tread/io/map_files.hpp"
 #include "tread/io/mesh_file.hpp"
 #include "tread/io/raster_file.hpp"
 #include "tread/io/rig_file.hpp"
 #include "tread/io/source.hpp"
-#include "tread/io/trajectory_file.hpp"
 
 namespace tread {
 namespace {
@@ -46,10 +50,34 @@ Status info_source(const fs::path& path, const std::string& rig, Output& output)
   output.values["kind"] = (*source)->kind();
   output.values["frames"] = (*source)->frame_count();
   output.values["poses"] = (*source)->has_poses();
-  output.line(fmt::format("{}: {} frames, {}", (*source)->kind(), (*source)->frame_count(),
+  output.line(fmt::format("{}: {}, {}", (*source)->kind(),
+                          frames_text(static_cast<std::size_t>((*source)->frame_count())),
                           (*source)->has_poses() ? "with poses" : "without poses"));
   describe_rig((*source)->rig(), output);
   return {};
+}
+
+// Smallest and largest of the finite values; nothing if there are none.
+std::optional<ValueRange> known_range(std::span<const float> values) {
+  std::optional<ValueRange> range;
+  for (const float v : values) {
+    if (!std::isfinite(v)) continue;
+    if (!range) range = ValueRange{v, v};
+    range->low = std::min(range->low, v);
+    range->high = std::max(range->high, v);
+  }
+  return range;
+}
+
+std::string range_text(const std::optional<ValueRange>& range, const std::string& unit) {
+  if (!range) return "nothing known";
+  return fmt::format("{:g} to {:g}{}{}", range->low, range->high, unit.empty() ? "" : " ", unit);
+}
+
+void put_range(const std::optional<ValueRange>& range, nlohmann::ordered_json& json) {
+  if (!range) return;
+  json["low"] = range->low;
+  json["high"] = range->high;
 }
 
 Status info_map(const fs::path& path, Output& output) {
@@ -59,19 +87,19 @@ Status info_map(const fs::path& path, Output& output) {
   output.line("map in frame " + map->frame);
   for (const MapLayer& layer : map->layers) {
     const GridGeometry& g = layer.grid.geometry;
-    const ValueRange range = value_range(layer.grid, 0.0);
+    const auto range = known_range(layer.grid.values);
+    // Layers without unit have the unit 1 in the file.
+    const std::string unit = layer.unit == "1" ? "" : layer.unit;
     output.values["layers"].push_back({{"name", layer.name},
-                                       {"unit", layer.unit},
+                                       {"unit", unit},
                                        {"resolution_m", g.resolution_m},
                                        {"columns", g.columns},
                                        {"rows", g.rows},
-                                       {"origin_m", {g.origin.x(), g.origin.y()}},
-                                       {"low", range.low},
-                                       {"high", range.high}});
-    output.line(
-        fmt::format("  {:12} {:5}x{:<5} cells of {:g} m from ({:.1f}, {:.1f}), {:g} to {:g} {}",
-                    layer.name, g.columns, g.rows, g.resolution_m, g.origin.x(), g.origin.y(),
-                    range.low, range.high, layer.unit));
+                                       {"origin_m", {g.origin.x(), g.origin.y()}}});
+    put_range(range, output.values["layers"].back());
+    output.line(fmt::format("  {:14} {:5}x{:<5} cells of {:g} m from ({:.1f}, {:.1f}), {}",
+                            layer.name, g.columns, g.rows, g.resolution_m, g.origin.x(),
+                            g.origin.y(), range_text(range, unit)));
   }
   for (const auto& [name, value] : map->numbers) {
     output.values["numbers"][name] = value;
@@ -83,68 +111,112 @@ Status info_map(const fs::path& path, Output& output) {
 Status info_float_image(const Result<Image<float>>& image, const std::string& kind,
                         Output& output) {
   if (!image) return forward(image);
-  const ValueRange range = value_range(*image, 0.0);
-  output.values["kind"] = kind;
+  std::vector<float> values;
+  for (int y = 0; y < image->height; ++y) {
+    values.insert(values.end(), image->row(y), image->row(y) + image->width);
+  }
+  const auto range = known_range(values);
   output.values["size_px"] = {image->width, image->height};
-  output.values["low"] = range.low;
-  output.values["high"] = range.high;
-  output.line(fmt::format("{}: {}x{}, {:g} to {:g}", kind, image->width, image->height, range.low,
-                          range.high));
+  put_range(range, output.values);
+  say_kind(kind, fmt::format("{}x{}, {}", image->width, image->height, range_text(range, "")),
+           output);
+  return {};
+}
+
+Status info_tiff(const fs::path& path, Output& output) {
+  const auto grid = read_geotiff(path);
+  if (!grid) return info_float_image(read_tiff(path), "float image (TIFF)", output);
+  const GridGeometry& g = grid->geometry;
+  const auto range = known_range(grid->values);
+  output.values["columns"] = g.columns;
+  output.values["rows"] = g.rows;
+  output.values["resolution_m"] = g.resolution_m;
+  output.values["origin_m"] = {g.origin.x(), g.origin.y()};
+  put_range(range, output.values);
+  say_kind("GeoTIFF grid",
+           fmt::format("{}x{} cells of {:g} m from ({:.1f}, {:.1f}), {}", g.columns, g.rows,
+                       g.resolution_m, g.origin.x(), g.origin.y(), range_text(range, "")),
+           output);
+  return {};
+}
+
+Status info_cloud(const fs::path& path, Output& output) {
+  const auto cloud = read_ply(path);
+  if (!cloud) return forward(cloud);
+  output.values["points"] = cloud->points.size();
+  output.values["coloured"] = !cloud->colours.empty();
+  say_kind(
+      "point cloud",
+      fmt::format("{} points{}", cloud->points.size(), cloud->colours.empty() ? "" : ", coloured"),
+      output);
+  return {};
+}
+
+Status info_image(const fs::path& path, Output& output) {
+  const auto image = read_grey_and_colour(path);
+  if (!image) return forward(image);
+  const bool colour = !image->colour.empty();
+  output.values["size_px"] = {image->grey.width, image->grey.height};
+  output.values["colour"] = colour;
+  say_kind(
+      "image",
+      fmt::format("{}x{}, {}", image->grey.width, image->grey.height, colour ? "colour" : "grey"),
+      output);
+  return {};
+}
+
+Status info_rig(const std::string& path, Output& output) {
+  const auto rig = read_rig(path);
+  if (!rig) return forward(rig);
+  say_kind("stereo rig", rig->name, output);
+  describe_rig(*rig, output);
   return {};
 }
 
 Status info_file(const fs::path& path, Output& output) {
-  const std::string extension = path.extension().string();
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const auto is = [&](std::initializer_list<const char*> known) {
+    return std::find(known.begin(), known.end(), extension) != known.end();
+  };
   if (path.filename() == "map.yaml") return info_map(path, output);
-  if (extension == ".pfm") return info_float_image(read_pfm(path), "float image (PFM)", output);
-  if (extension == ".tif" || extension == ".tiff") {
-    if (const auto grid = read_geotiff(path)) {
-      const GridGeometry& g = grid->geometry;
-      output.values["kind"] = "GeoTIFF grid";
-      output.values["columns"] = g.columns;
-      output.values["rows"] = g.rows;
-      output.values["resolution_m"] = g.resolution_m;
-      output.line(
-          fmt::format("GeoTIFF grid: {}x{} cells of {:g} m", g.columns, g.rows, g.resolution_m));
-      return {};
-    }
-    return info_float_image(read_tiff(path), "float image (TIFF)", output);
+  if (is({".pfm"})) return info_float_image(read_pfm(path), "float image (PFM)", output);
+  if (is({".tif", ".tiff"})) return info_tiff(path, output);
+  if (is({".ply"})) return info_cloud(path, output);
+  if (is({".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".pnm"})) return info_image(path, output);
+  if (const auto told = info_text(path, output)) return *told;
+  const Status rig = info_rig(path.string(), output);
+  const bool rig_format = is({".yaml", ".yml", ".xml"}) || path.stem() == "calib";
+  if (rig || rig_format) return rig;
+  return fail(ErrorCode::kUnsupported, "this is no file that tread knows", path.string(),
+              "It knows drives (folders), maps, rigs, images, PFM, TIFF, PLY, trajectories, times "
+              "and path.csv: docs/file-formats.md");
+}
+
+// A folder that a command has written, by a file that only this command writes; nothing if it is
+// none.
+std::optional<std::string> results_in(const fs::path& folder) {
+  constexpr std::array<std::pair<const char*, const char*>, 3> kSigns = {
+      {{"disparity.pfm", "results of 'tread depth'"},
+       {"plan.png", "results of 'tread plan'"},
+       {"trajectory.tum", "results of 'tread map' without a map, as nothing was mapped"}}};
+  std::error_code ignored;
+  for (const auto& [sign, kind] : kSigns) {
+    if (fs::exists(folder / sign, ignored)) return kind;
   }
-  if (extension == ".ply") {
-    const auto cloud = read_ply(path);
-    if (!cloud) return forward(cloud);
-    output.values["kind"] = "point cloud";
-    output.values["points"] = cloud->points.size();
-    output.values["coloured"] = !cloud->colours.empty();
-    output.line(fmt::format("point cloud: {} points{}", cloud->points.size(),
-                            cloud->colours.empty() ? "" : ", coloured"));
-    return {};
+  return std::nullopt;
+}
+
+void info_results(const fs::path& folder, const std::string& kind, Output& output) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    names.push_back(at->path().filename().string());
   }
-  if (extension == ".tum") {
-    const auto trajectory = read_tum_trajectory(path);
-    if (!trajectory) return forward(trajectory);
-    output.values["kind"] = "trajectory";
-    output.values["poses"] = trajectory->size();
-    output.line(fmt::format("trajectory: {} poses", trajectory->size()));
-    return {};
-  }
-  if (extension == ".png" || extension == ".jpg" || extension == ".jpeg" || extension == ".pgm") {
-    const auto image = read_grey(path);
-    if (!image) return forward(image);
-    const auto colour = has_colour(path);
-    output.values["kind"] = "image";
-    output.values["size_px"] = {image->width, image->height};
-    output.values["colour"] = colour && *colour;
-    output.line(fmt::format("image: {}x{}, {}", image->width, image->height,
-                            colour && *colour ? "colour" : "grey"));
-    return {};
-  }
-  const auto rig = read_rig(path.string());
-  if (!rig) return forward(rig);
-  output.values["kind"] = "stereo rig";
-  output.line("stereo rig " + rig->name);
-  describe_rig(*rig, output);
-  return {};
+  std::sort(names.begin(), names.end());
+  output.values["files"] = names;
+  say_kind(kind, fmt::format("{}", fmt::join(names, ", ")), output);
 }
 
 int run_info(const std::string& path, const std::string& rig, const CommonOptions& common) {
@@ -153,13 +225,15 @@ int run_info(const std::string& path, const std::string& rig, const CommonOption
   std::error_code ignored;
   Status done;
   if (named_rig(path)) {
-    done = info_file(path, output);
+    done = info_rig(path, output);
   } else if (!fs::exists(path, ignored)) {
     done = fail(ErrorCode::kNotFound, "there is no such file or folder", path, "Check the name");
   } else if (!fs::is_directory(path, ignored)) {
     done = info_file(path, output);
   } else if (fs::exists(fs::path(path) / "map.yaml", ignored)) {
     done = info_map(path, output);
+  } else if (const auto results = results_in(path)) {
+    info_results(path, *results, output);
   } else {
     done = info_source(path, rig, output);
   }
@@ -179,9 +253,12 @@ void add_info_command(CLI::App& app, int& status) {
   auto arguments = std::make_shared<Arguments>();
   command
       ->add_option("PATH", arguments->path,
-                   "Drive, map, rig (file or known name), image, PFM, TIFF, PLY, trajectory")
+                   "A drive or a map (folders), or a file: rig (or a known name), image, PFM, "
+                   "TIFF, PLY, trajectory, times, path.csv, map for Nav2")
+      ->type_name("")
       ->required();
-  command->add_option("--rig", arguments->rig, "Rig of a folder that has none")->type_name("RIG");
+  command->add_option("--rig", arguments->rig, "Calibration of a drive that brings none")
+      ->type_name("RIG");
   command->add_flag("--json", arguments->common.json, "Print one JSON object and nothing else");
   command->footer(
       "Examples:\n  tread info kitti/sequences/00\n  tread info out/map\n"

@@ -37,49 +37,68 @@ Result<Grid<float>> cost_of(const MapLayers& map, const std::string& where) {
   return cost.grid();
 }
 
+// What the map was made for.
+void take_numbers(const MapLayers& map, PlannerOptions& options) {
+  if (const auto known = map.numbers.find("unexplored_cost"); known != map.numbers.end()) {
+    options.unexplored_cost = known->second;
+  }
+  if (const auto known = map.numbers.find("lethal_cost"); known != map.numbers.end()) {
+    options.lethal_cost = known->second;
+  }
+}
+
+Status write_results(const PlanArguments& arguments, const Grid<float>& cost,
+                     const PlannerOptions& options, const Plan& plan, Output& output) {
+  FileSet set(*arguments.common.output);
+  Status s = add_file(set, "path.csv",
+                      [&](const fs::path& path) { return write_file(path, path_csv(plan)); });
+  if (!s) return s;
+  const ColourScale scale = cost_scale(options);
+  MapPicture picture = draw_map(cost, scale);
+  draw_scale_bar(picture);
+  draw_plan(picture, plan, {arguments.start[0], arguments.start[1]},
+            {arguments.goal[0], arguments.goal[1]});
+  const Image<Rgb> image = with_colour_bar(picture.image, scale);
+  s = add_file(set, "plan.png", [&](const fs::path& path) { return write_png(path, image); });
+  return s ? output.commit(set) : s;
+}
+
+int print_plan_config(const PlanArguments& arguments) {
+  PlannerOptions options;
+  if (!arguments.map.empty()) {
+    const auto map = load_map(arguments.map);
+    if (!map) return print_error(map.error());
+    take_numbers(*map, options);
+  }
+  OptionSet set = describe(options);
+  if (Status s = apply_settings(arguments.common, set); !s) return print_error(s.error());
+  print_config("plan", set);
+  return 0;
+}
+
 int run_plan(const PlanArguments& arguments) {
+  if (arguments.common.print_config) return print_plan_config(arguments);
   const auto map = load_map(arguments.map);
   if (!map) return print_error(map.error());
   const auto cost = cost_of(*map, arguments.map);
   if (!cost) return print_error(cost.error());
-
   PlannerOptions options;
-  if (const auto known = map->numbers.find("unexplored_cost"); known != map->numbers.end()) {
-    options.unexplored_cost = known->second;
-  }
-  if (const auto known = map->numbers.find("lethal_cost"); known != map->numbers.end()) {
-    options.lethal_cost = known->second;
-  }
-  if (Status s = apply_settings(arguments.common, describe(options)); !s) {
-    return print_error(s.error());
-  }
-  const Eigen::Vector2d start(arguments.start[0], arguments.start[1]);
-  const Eigen::Vector2d goal(arguments.goal[0], arguments.goal[1]);
-  if (!start.allFinite() || !goal.allFinite()) {
-    return print_error({ErrorCode::kBadValue, "a coordinate is not finite", "--start, --goal",
-                        "Give metres in the frame of the map"});
-  }
-  const Plan plan = plan_waypoints(*cost, start, goal, options);
+  take_numbers(*map, options);
+  OptionSet set = describe(options);
+  if (Status s = apply_settings(arguments.common, set); !s) return print_error(s.error());
+  if (Status s = check_place("--start", arguments.start); !s) return print_error(s.error());
+  if (Status s = check_place("--goal", arguments.goal); !s) return print_error(s.error());
+  if (Status s = prepare_output(arguments.common); !s) return print_error(s.error());
 
+  const Plan plan = plan_waypoints(*cost, {arguments.start[0], arguments.start[1]},
+                                   {arguments.goal[0], arguments.goal[1]}, options);
   Output output(arguments.common.json);
   output.values = json_of(plan);
   output.line(summary_of(plan));
-  if (!arguments.common.output.empty()) {
-    const fs::path folder = arguments.common.output;
-    if (Status s = make_output_folder(folder); !s) return print_error(s.error());
-    if (Status s = write_file(folder / "path.csv", path_csv(plan)); !s) {
+  if (arguments.common.output) {
+    if (Status s = write_results(arguments, *cost, options, plan, output); !s) {
       return print_error(s.error());
     }
-    output.wrote(folder / "path.csv");
-    const ColourScale scale = cost_scale(options);
-    MapPicture picture = draw_map(*cost, scale);
-    draw_scale_bar(picture);
-    draw_plan(picture, plan, start, goal);
-    if (Status s = write_png(folder / "plan.png", with_colour_bar(picture.image, scale)); !s) {
-      return print_error(s.error());
-    }
-    output.wrote(folder / "plan.png");
-    output.line("wrote " + folder.string() + ": path.csv, plan.png");
   }
   output.print_json();
   return 0;
@@ -90,20 +109,27 @@ int run_plan(const PlanArguments& arguments) {
 void add_plan_command(CLI::App& app, int& status) {
   CLI::App* command = app.add_subcommand("plan", "Waypoints from start to goal on a saved map");
   auto arguments = std::make_shared<PlanArguments>();
-  command->add_option("MAP", arguments->map, "Folder of a map, or its map.yaml")->required();
-  command->add_option("--start", arguments->start, "Where the robot is, m")
-      ->type_name("X Y")
+  command
+      ->add_option("MAP", arguments->map, "Folder that 'tread map -o' has written, or its map.yaml")
+      ->type_name("")
+      ->required();
+  command
+      ->add_option("--start", arguments->start,
+                   "Where the robot is, m in the frame of the map; must lie on it")
+      ->option_text("X Y REQUIRED")
       ->expected(2)
       ->required();
   command->add_option("--goal", arguments->goal, "Where it should go, m; may lie beyond the map")
-      ->type_name("X Y")
+      ->option_text("X Y REQUIRED")
       ->expected(2)
       ->required();
   add_common_options(*command, arguments->common);
   add_setting_options(*command, arguments->common);
   command->footer(
-      "Example:\n  tread plan out/map --start 0 0 --goal 30 2 -o out/plan\n"
-      "That there is no path is an answer, with its reason, and not an error.\n"
+      "Example:\n"
+      "  tread plan out/map --start 0 0 --goal 30 2 -o out/plan\n"
+      "'tread info MAP' tells where the map lies. Writes path.csv and plan.png. That there\n"
+      "is no path is an answer, with its reason, and not an error (exit status 0).\n"
       "Options for --set: lethal_cost, unexplored_cost, shortcut_tolerance.");
   command->callback([arguments, &status] { status = run_plan(*arguments); });
 }

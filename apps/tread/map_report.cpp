@@ -150,6 +150,7 @@ std::vector<MapFigure> map_figures(const MapRun& run, const PlannerOptions& opti
   const Grid<float>& explored = run.layers.find("explored")->grid;
   const Grid<float>& cost = run.layers.find("cost")->grid;
   std::vector<MapFigure> figures;
+  if (height.values.empty() || cost.values.empty()) return figures;
   const ColourScale heights = height_scale(height, "height");
   figures.push_back({"height", "Terrain",
                      "Last measured heights; the line is the way of the camera. For display only: "
@@ -177,7 +178,8 @@ Report map_report(const std::string& command_line, const StereoSource& source,
                   const RoverMapper& mapper, const PlannerOptions& options, const MapRun& run) {
   const double cell = mapper.ground().resolution_m();
   const double frames = static_cast<double>(run.trajectory.size());
-  Report report("Ground map", fmt::format("{}, {} frames", source.kind(), run.trajectory.size()));
+  Report report("Ground map",
+                fmt::format("{}, {}", source.kind(), frames_text(run.trajectory.size())));
   report.set_command(command_line);
   report.add_key_numbers(
       {{"explored", number_text(run.explored_cells * cell * cell), "m2"},
@@ -185,7 +187,15 @@ Report map_report(const std::string& command_line, const StereoSource& source,
        {"path",
         run.plan.status == PlanStatus::kFound ? fmt::format("{:.1f}", run.plan.length_m) : "none",
         run.plan.status == PlanStatus::kFound ? "m" : ""}});
-  for (const Error& problem : run.problems) report.add_note(problem.message(), NoteKind::kWarning);
+  if (run.nothing) report.add_note(run.nothing->message(), NoteKind::kWarning);
+  constexpr std::size_t kShown = 20;
+  for (std::size_t i = 0; i < std::min(kShown, run.problems.size()); ++i) {
+    report.add_note(run.problems[i].message(), NoteKind::kWarning);
+  }
+  if (run.problems.size() > kShown) {
+    report.add_note(fmt::format("{} more frames could not be used.", run.problems.size() - kShown),
+                    NoteKind::kWarning);
+  }
   report.add_quantities("What it stands on", quantities(source, mapper));
   add_frame_section(mapper, run.sample, report);
   report.add_section("The ground, all frames together",

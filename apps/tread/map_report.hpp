@@ -1,6 +1,7 @@
 // Pictures and report of `tread map`: every stage of one frame, and the maps of the whole drive.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,7 +32,9 @@ struct MapRun {
   std::vector<Eigen::Vector3d> positions;  // of the body
   double last_yaw_rad = 0.0;
   FrameSample sample;
-  std::vector<Error> problems;  // frames that could not be used
+  std::size_t frames = 0;        // that were there, used or not
+  std::vector<Error> problems;   // why frames could not be used
+  std::optional<Error> nothing;  // why there is no map
   double explored_cells = 0.0;
   double frame_ms = 0.0;  // all frames, reading left out
   double wall_ms = 0.0;   // reading included
@@ -50,7 +53,7 @@ struct MapFigure {
   ColourScale scale;
   PictureValues values;
 };
-// Height, derivative, explored and cost with the way driven and the plan.
+// Height, derivative, explored and cost with the way driven and the plan; those that have cells.
 [[nodiscard]] std::vector<MapFigure> map_figures(const MapRun& run, const PlannerOptions& options);
 
 [[nodiscard]] Report map_report(const std::string& command_line, const StereoSource& source,

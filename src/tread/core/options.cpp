@@ -155,7 +155,7 @@ void OptionSet::add(std::string name, Knots& value, std::string meaning) {
   field.print = [&value] {
     std::string text;
     for (const auto& knot : value) {
-      text += fmt::format("{}{:g}:{:g}", text.empty() ? "" : " ", knot[0], knot[1]);
+      text += fmt::format("{}{}:{}", text.empty() ? "" : " ", knot[0], knot[1]);
     }
     return text;
   };
@@ -189,14 +189,28 @@ void OptionSet::add_choice_index(std::string name, std::string meaning,
   fields_.push_back(std::move(field));
 }
 
+void OptionSet::add_automatic(std::string name, bool& value, std::string meaning,
+                              std::string chosen) {
+  automatic_.push_back({name, std::move(chosen)});
+  add(std::move(name), value, std::move(meaning));
+}
+
 void OptionSet::add_group(const std::string& name, OptionSet group) {
+  const std::string prefix = name + ".";
   for (OptionField& field : group.fields_) {
-    field.name.insert(0, name + ".");
+    field.name.insert(0, prefix);
     fields_.push_back(std::move(field));
   }
   for (OptionRule& rule : group.rules_) {
-    for (std::string& field : rule.names) field.insert(0, name + ".");
+    for (std::string& field : rule.names) field.insert(0, prefix);
     rules_.push_back(std::move(rule));
+  }
+  for (Automatic& pair : group.automatic_) {
+    automatic_.push_back({prefix + pair.name, prefix + pair.chosen});
+  }
+  for (Withdrawn& field : group.withdrawn_) {
+    field.name.insert(0, prefix);
+    withdrawn_.push_back(std::move(field));
   }
 }
 
@@ -206,6 +220,14 @@ void OptionSet::require(std::vector<std::string> names, std::string must,
   rules_.push_back({std::move(names), std::move(must), std::move(holds)});
 }
 
+void OptionSet::withdraw(const std::string& name, std::string what, std::string remedy) {
+  std::erase_if(fields_, [&](const OptionField& field) { return field.name == name; });
+  std::erase_if(rules_, [&](const OptionRule& rule) {
+    return std::find(rule.names.begin(), rule.names.end(), name) != rule.names.end();
+  });
+  withdrawn_.push_back({name, std::move(what), std::move(remedy)});
+}
+
 const OptionField* OptionSet::find(std::string_view name) const {
   const auto found = std::find_if(fields_.begin(), fields_.end(),
                                   [name](const OptionField& field) { return field.name == name; });
@@ -213,19 +235,65 @@ const OptionField* OptionSet::find(std::string_view name) const {
 }
 
 Status OptionSet::set(std::string_view name, std::string_view text) {
-  std::vector<std::string> names;
   for (OptionField& field : fields_) {
-    if (field.name == name) {
-      Status done = field.parse(text);
-      if (!done) done.error().where = field.name;  // the whole path, also inside groups
+    if (field.name != name) continue;
+    Status done = field.parse(text);
+    if (!done) {
+      done.error().where = field.name;  // the whole path, also inside groups
       return done;
     }
+    field.given = field.recent = true;
+    return done;
+  }
+  return tl::unexpected<Error>(unknown(name));
+}
+
+// What to say of a name that is none of the fields.
+Error OptionSet::unknown(std::string_view name) const {
+  for (const Withdrawn& field : withdrawn_) {
+    if (field.name == name) {
+      return {ErrorCode::kBadArgument, field.what, field.name, field.remedy};
+    }
+  }
+  std::vector<std::string> names, top, within;
+  for (const OptionField& field : fields_) {
     names.push_back(field.name);
+    const std::size_t dot = field.name.find('.');
+    std::string first =
+        dot == std::string::npos ? field.name : field.name.substr(0, dot) + ".(...)";
+    if (top.empty() || top.back() != first) top.push_back(std::move(first));
+    const bool inside = field.name.size() > name.size() && field.name.starts_with(name) &&
+                        field.name[name.size()] == '.';
+    if (inside) within.push_back(field.name);
+  }
+  if (!within.empty()) {
+    constexpr std::size_t kShown = 4;
+    const std::size_t all = within.size();
+    within.resize(std::min(all, kShown));
+    return {ErrorCode::kNotFound, "this is a group of options and has no value of its own",
+            std::string(name),
+            fmt::format("Name one of its {} options: {}{}", all, fmt::join(within, ", "),
+                        all > kShown ? ", ..." : "")};
   }
   const std::string near = nearest_name(name, names);
-  return fail(ErrorCode::kNotFound, "unknown option", std::string(name),
-              near.empty() ? fmt::format("Known are: {}", fmt::join(names, ", "))
-                           : fmt::format("Did you mean '{}'?", near));
+  return {ErrorCode::kNotFound, "unknown option", std::string(name),
+          near.empty() ? fmt::format("Known are: {}", fmt::join(top, ", "))
+                       : fmt::format("Did you mean '{}'?", near)};
+}
+
+bool OptionSet::given(std::string_view name) const {
+  const OptionField* field = find(name);
+  return field != nullptr && field->given;
+}
+
+void OptionSet::settle() {
+  for (const Automatic& pair : automatic_) {
+    const OptionField* own = find(pair.name);
+    const OptionField* chosen = find(pair.chosen);
+    if (own == nullptr || chosen == nullptr || own->recent || !chosen->recent) continue;
+    [[maybe_unused]] const Status off = own->parse("false");
+  }
+  for (OptionField& field : fields_) field.recent = false;
 }
 
 Status OptionSet::check() const {

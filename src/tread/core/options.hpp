@@ -23,6 +23,8 @@ struct OptionField {
   std::function<Status(std::string_view text)> parse;
   std::function<std::string()> print;
   std::function<bool()> in_range;
+  bool given = false;   // by set(), not left as it was
+  bool recent = false;  // given since the last settle()
 };
 
 // What must hold between fields, each of which may be in range on its own.
@@ -58,15 +60,26 @@ class OptionSet {
           return i;
         });
   }
+  // A switch with which the program chooses the value of the field `chosen` by itself. Giving that
+  // value turns it off: see settle().
+  void add_automatic(std::string name, bool& value, std::string meaning, std::string chosen);
   // A condition between fields that are described above; check() asks for it, set() does not, since
   // fields come in any order.
   void require(std::vector<std::string> names, std::string must, std::function<bool()> holds);
   // The fields and rules of a nested struct, under "name.".
   void add_group(const std::string& name, OptionSet group);
+  // Takes a field out of the description: setting it is refused with this error, for fields that
+  // the program itself sets. Rules that name it go with it: they are judged where it is set.
+  void withdraw(const std::string& name, std::string what, std::string remedy);
 
   // Sets one field from text. An unknown name is refused with the nearest known one; text that
   // cannot be read or is out of range leaves the field as it was.
   [[nodiscard]] Status set(std::string_view name, std::string_view text);
+  // Whether set() has set this field: what a user gives, no default may override.
+  [[nodiscard]] bool given(std::string_view name) const;
+  // To be called when one source of settings (a file, the command line) is through: turns off the
+  // automatic switches whose value it has given without naming the switch, in whatever order.
+  void settle();
   // The first field that is out of range, else the first rule that is broken, with the names and
   // values of all its fields.
   [[nodiscard]] Status check() const;
@@ -77,10 +90,22 @@ class OptionSet {
   void add_choice_index(std::string name, std::string meaning, std::vector<std::string> names,
                         std::function<void(std::size_t)> assign,
                         std::function<std::size_t()> current);
+  struct Automatic {
+    std::string name;
+    std::string chosen;
+  };
+  struct Withdrawn {
+    std::string name;
+    std::string what;
+    std::string remedy;
+  };
   [[nodiscard]] const OptionField* find(std::string_view name) const;
+  [[nodiscard]] Error unknown(std::string_view name) const;
 
   std::vector<OptionField> fields_;
   std::vector<OptionRule> rules_;
+  std::vector<Automatic> automatic_;
+  std::vector<Withdrawn> withdrawn_;
 };
 
 // Checks a struct by its description, in which the whole struct is named: "sad.window_px: ...".

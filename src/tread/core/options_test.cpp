@@ -170,5 +170,101 @@ TEST(Options, RulesHoldWhenAllFieldsAreSetNotInBetween) {
   EXPECT_TRUE(set.check());
 }
 
+TEST(Options, KnotsArePrintedToTheLastDigit) {
+  OuterOptions options, copy;
+  options.knots = {{{1.0 / 3.0, 1e-9}}, {{0.1 + 0.7, 1234567.25}}};
+  const OptionSet from = describe(options);
+  ASSERT_TRUE(describe(copy).set("knots", from.fields().back().print()));
+  EXPECT_EQ(copy.knots, options.knots);
+}
+
+TEST(Options, AGroupIsNamedAsOneWithSomeOfItsOptions) {
+  OuterOptions options;
+  const Status group = describe(options).set("inner", "7");
+  ASSERT_FALSE(group);
+  EXPECT_EQ(group.error().message(),
+            "inner: this is a group of options and has no value of its own. Name one of its 2 "
+            "options: inner.window_px, inner.limit_m.");
+  EXPECT_FALSE(describe(options).set("inne", "7").error().what.starts_with("this is a group"));
+}
+
+TEST(Options, RemedyThatAsksEndsWithItsQuestionMark) {
+  OuterOptions options;
+  EXPECT_EQ(describe(options).set("fil", "7").error().message(),
+            "fil: unknown option. Did you mean 'fill'?");
+}
+
+// A value, the switch that chooses it, and a field that the program sets itself.
+struct AutomaticOptions {
+  int size = 64;
+  bool auto_size = true;
+  double reach_m = 6.0;
+};
+
+OptionSet describe(AutomaticOptions& options) {
+  OptionSet group, set;
+  group.add("size", options.size, "how many", 1, 1000);
+  group.add_automatic("auto_size", options.auto_size, "choose size", "size");
+  group.add("reach_m", options.reach_m, "how far");
+  group.withdraw("reach_m", "the mapper sets it", "Set depth");
+  set.add_group("g", std::move(group));
+  return set;
+}
+
+TEST(Options, AGivenValueTurnsOffWhatWouldChooseIt) {
+  const auto after = [](const std::vector<std::vector<std::string>>& sources) {
+    AutomaticOptions options;
+    OptionSet set = describe(options);
+    for (const auto& names : sources) {
+      for (const std::string& name : names) {
+        EXPECT_TRUE(set.set(name, name == "g.size" ? "80" : "true"));
+      }
+      set.settle();
+    }
+    return options.auto_size;
+  };
+  EXPECT_TRUE(after({}));
+  EXPECT_TRUE(after({{"g.auto_size"}}));
+  EXPECT_FALSE(after({{"g.size"}}));
+  EXPECT_TRUE(after({{"g.size", "g.auto_size"}}));
+  EXPECT_TRUE(after({{"g.auto_size", "g.size"}}));
+  EXPECT_FALSE(after({{"g.size", "g.auto_size"}, {"g.size"}}));  // the later source says more
+  EXPECT_TRUE(after({{"g.size"}, {"g.auto_size"}}));
+  EXPECT_FALSE(after({{"g.size"}, {}}));
+}
+
+TEST(Options, KnowsWhatWasGiven) {
+  AutomaticOptions options;
+  OptionSet set = describe(options);
+  EXPECT_FALSE(set.given("g.size"));
+  EXPECT_FALSE(set.set("g.size", "0"));
+  EXPECT_FALSE(set.given("g.size"));
+  EXPECT_TRUE(set.set("g.size", "64"));  // the default, but given
+  set.settle();
+  EXPECT_TRUE(set.given("g.size"));
+  EXPECT_FALSE(set.given("g.auto_size"));  // turned off, not given
+  EXPECT_FALSE(set.given("g.nothing"));
+}
+
+TEST(Options, AWithdrawnFieldIsRefusedWithWhatToSet) {
+  AutomaticOptions options;
+  OptionSet set = describe(options);
+  const Status withdrawn = set.set("g.reach_m", "3");
+  ASSERT_FALSE(withdrawn);
+  EXPECT_EQ(withdrawn.error().message(), "g.reach_m: the mapper sets it. Set depth.");
+  EXPECT_EQ(options.reach_m, 6.0);
+  EXPECT_EQ(set.fields().size(), 2U);
+}
+
+TEST(Options, ARuleThatNamesAWithdrawnFieldIsLeftToWhoSetsIt) {
+  SpanOptions options;
+  OptionSet set = describe(options);
+  set.withdraw("high_m", "the mapper sets it", "Set low_m");
+  options.low_m = 3.0;  // above high_m, which is not the user's
+  EXPECT_TRUE(set.check());
+  options.cells = 4;
+  EXPECT_EQ(set.check().error().where, "cells");
+}
+
 }  // namespace
 }  // namespace tread

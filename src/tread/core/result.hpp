@@ -32,9 +32,12 @@ struct Error {
 
   // "rig.yaml: left.fx: focal length is 0. Write the focal length in pixels."
   [[nodiscard]] std::string message() const {
+    const auto ended = [](const std::string& text) {
+      return !text.empty() && (text.back() == '.' || text.back() == '?' || text.back() == '!');
+    };
     std::string text = where.empty() ? what : where + ": " + what;
-    if (!remedy.empty()) text += ". " + remedy;
-    if (text.empty() || text.back() != '.') text += '.';
+    if (!remedy.empty()) text += (ended(text) ? " " : ". ") + remedy;
+    if (!ended(text)) text += '.';
     return text;
   }
 };

@@ -246,6 +246,16 @@ bool is_plain_file_name(std::string_view name) {
   });
 }
 
+fs::path final_path(const fs::path& path) {
+  const std::string name = path.filename().string();
+  const std::size_t prefix = std::string_view(kTemporaryPrefix).size();
+  const bool temporary = name.starts_with(kTemporaryPrefix) &&
+                         name.size() > prefix + kTokenLength + 1 &&
+                         is_token(std::string_view(name).substr(prefix, kTokenLength)) &&
+                         name[prefix + kTokenLength] == '-';
+  return temporary ? path.parent_path() / name.substr(prefix + kTokenLength + 1) : path;
+}
+
 Status write_file(const fs::path& path, std::string_view bytes) {
   if (const Status replaceable = check_replaceable(path); !replaceable) return replaceable;
   std::error_code ignored;
@@ -256,13 +266,13 @@ Status write_file(const fs::path& path, std::string_view bytes) {
       temporary_path(folder_of(target), make_token(), target.filename().string());
   FileDescriptor file(
       ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, permissions_for(target)));
-  if (!file.is_open()) return cannot_write(path, errno);
+  if (!file.is_open()) return cannot_write(final_path(path), errno);
   const bool written = write_all(file.get(), bytes) && ::fsync(file.get()) == 0 && file.close() &&
                        ::rename(temporary.c_str(), target.c_str()) == 0;
   if (!written) {
     const int why = errno;
     ::unlink(temporary.c_str());
-    return cannot_write(path, why);
+    return cannot_write(final_path(path), why);
   }
   sync_folder(folder_of(target));
   return {};

@@ -23,6 +23,10 @@ namespace tread {
 // True for a name that stays in its folder: not empty, ".", "..", no '/', no control bytes.
 [[nodiscard]] bool is_plain_file_name(std::string_view name);
 
+// What the temporary path of a FileSet stands for, as messages shall name it; other paths are given
+// back as they are.
+[[nodiscard]] std::filesystem::path final_path(const std::filesystem::path& path);
+
 // Several files of one folder that belong together: all become the new ones or none does.
 //   FileSet set(folder);
 //   path p = set.add("height.tif");   // write to p
@@ -41,6 +45,9 @@ class FileSet {
   // The temporary path to write `name` to. A name that is not a plain file name makes commit()
   // fail.
   [[nodiscard]] std::filesystem::path add(const std::string& name);
+  [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
+  // The names added, in their order.
+  [[nodiscard]] const std::vector<std::string>& names() const { return added_; }
   // `name` shall be gone when the set is committed; it need not be there.
   void remove(const std::string& name);
   // All files added must have been written by now. Afterwards the set is empty.

@@ -1,15 +1,16 @@
-// OpenCV decodes PNG and JPEG from memory, after our own check of the file. Its warnings and those
-// of libpng and libjpeg go to stderr and cannot be turned off from here; the check lets only files
-// through whose structure is sound, which leaves them damaged JPEG data to warn of.
+// Files are checked (image_header) before any pixel is decoded (image_codecs, pnm). OpenCV encodes
+// PNG.
 #include "tread/io/image_file.hpp"
 
 #include <fmt/format.h>
 
 #include <exception>
+#include <new>
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
 
 #include "tread/io/atomic_file.hpp"
+#include "tread/io/image_codecs.hpp"
 #include "tread/io/image_header.hpp"
 #include "tread/io/pnm.hpp"
 
@@ -20,28 +21,36 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kLargestFile = std::size_t{1} << 30;
 
-tl::unexpected<Error> not_decoded(const std::string& where, const std::string& why) {
-  return fail(ErrorCode::kUnreadable, "the picture cannot be decoded" + why, where,
+// Memory is what users run out of; OpenCV's own words, with places in its sources, tell them
+// nothing.
+bool is_out_of_memory(const std::exception& error) {
+  return dynamic_cast<const std::bad_alloc*>(&error) != nullptr ||
+         std::string_view(error.what()).find("Insufficient memory") != std::string_view::npos;
+}
+
+tl::unexpected<Error> not_decoded(const std::exception& error, const std::string& where) {
+  if (is_out_of_memory(error)) {
+    return fail(ErrorCode::kUnsupported, "out of memory for this picture", where,
+                "Close other programs, or take smaller images");
+  }
+  return fail(ErrorCode::kUnreadable, "the picture cannot be decoded", where,
               "Copy or record it again");
 }
 
-// One or three channels (blue, green, red) of 8 or 16 bits, of the size the header says.
+// One or three channels (blue, green, red) of 8 or 16 bits.
 Result<cv::Mat> decode(const std::string& bytes, const ImageHeader& header,
                        const std::string& where) {
   try {
-    const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1,
-                         const_cast<char*>(bytes.data()));
-    cv::Mat image = cv::imdecode(
-        buffer, cv::IMREAD_ANYCOLOR | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
-    const bool known_depth = image.depth() == CV_8U || image.depth() == CV_16U;
-    const bool known_channels = image.channels() == 1 || image.channels() == 3;
-    if (image.empty() || !known_depth || !known_channels || image.cols != header.width ||
-        image.rows != header.height) {
-      return not_decoded(where, "");
-    }
+    cv::Mat image(header.height, header.width,
+                  CV_MAKETYPE(header.bits == 16 ? CV_16U : CV_8U, header.colour ? 3 : 1));
+    const PixelRows rows{image.data, image.step};
+    const Status decoded = header.format == ImageFormat::kPng
+                               ? decode_png(bytes, header, where, rows)
+                               : decode_jpeg(bytes, header, where, rows);
+    if (!decoded) return forward(decoded);
     return image;
-  } catch (const std::exception& e) {
-    return not_decoded(where, fmt::format(" ({})", e.what()));
+  } catch (const std::exception& error) {
+    return not_decoded(error, where);
   }
 }
 
@@ -65,8 +74,8 @@ Result<cv::Mat> decode_netpbm(const std::string& bytes, const std::string& where
     cv::Mat shallow;
     deep.convertTo(shallow, CV_8U);
     return shallow;
-  } catch (const std::exception& e) {
-    return not_decoded(where, fmt::format(" ({})", e.what()));
+  } catch (const std::exception& error) {
+    return not_decoded(error, where);
   }
 }
 
@@ -138,9 +147,11 @@ Result<std::string> encode(const cv::Mat& image, const std::string& where) {
   try {
     std::vector<unsigned char> bytes;
     if (cv::imencode(".png", image, bytes)) return std::string(bytes.begin(), bytes.end());
-  } catch (const std::exception& e) {
-    return fail(ErrorCode::kWriteFailed, fmt::format("cannot encode as PNG: {}", e.what()), where,
-                "Check the size of the image");
+  } catch (const std::exception& error) {
+    return fail(
+        ErrorCode::kWriteFailed,
+        fmt::format("cannot encode as PNG{}", is_out_of_memory(error) ? " (out of memory)" : ""),
+        where, "Check the size of the image");
   }
   return fail(ErrorCode::kWriteFailed, "cannot encode as PNG", where,
               "Check the size of the image");

@@ -1,4 +1,4 @@
-// Image files: PNG and JPEG through OpenCV's codecs; PGM, PPM and PFM by our own code.
+// Image files: PNG and JPEG through libpng and libjpeg; PGM, PPM and PFM by our own code.
 // Readers refuse a file that is truncated or whose header promises more than the file can hold,
 // before anything of that size is allocated. Errors name the file and what to do.
 // Pixels come as they are stored: an orientation in a JPEG's EXIF data is not applied, for it would

@@ -218,6 +218,7 @@ TEST(ImageFile, DamagedFilesAreCleanlyReadOrRefused) {
     EXPECT_TRUE(both || !both.error().where.empty());
     return both.has_value();
   };
+  ::testing::internal::CaptureStderr();
   EXPECT_GT(testing::damaged_files_refused(make_png(5, 3, 8, 2, std::string(45, 'x')), folder / "i",
                                            read),
             1900);
@@ -225,10 +226,56 @@ TEST(ImageFile, DamagedFilesAreCleanlyReadOrRefused) {
             500);
   EXPECT_GT(testing::damaged_files_refused("P2 3 2 255\n10 20 30 40 50 60\n", folder / "i", read),
             200);
-  // libjpeg shows what it can of damaged data; the file's structure is what is checked.
   EXPECT_GT(
       testing::damaged_files_refused(testing::as_string(testing::kColourJpeg), folder / "i", read),
-      50);
+      500);
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+}
+
+// Checksums and structure are right, the compressed data are not.
+TEST(ImageFile, WhatOnlyTheDecoderNoticesIsNamedAndNotPrinted) {
+  const ScratchFolder folder;
+  const std::string sound = make_png(5, 3, 8, 2, std::string(45, 'x'));
+  const std::string header = sound.substr(0, 33);
+  const std::string end = testing::png_chunk("IEND", "");
+  const std::string profile = testing::png_chunk("iCCP", std::string("a\0\0nonsense", 11));
+  const std::string jpeg = testing::as_string(testing::kGreyJpeg);
+  const std::size_t middle = jpeg.size() - 20;  // of the coded pixels, which are 33 bytes
+  const std::pair<std::string, std::string> broken[] = {
+      {"nonsense.png", header + testing::png_chunk("IDAT", "\x78\x01nonsense") + end},
+      {"short.png", header + testing::png_chunk("IDAT", testing::stored_zlib("x")) + end},
+      {"restart.jpg", jpeg.substr(0, middle) + "\xff\xd3" + jpeg.substr(middle)},
+      {"short.jpg", jpeg.substr(0, middle) + "\xff\xd9"}};
+  ::testing::internal::CaptureStderr();
+  for (const auto& [name, bytes] : broken) {
+    put_file(folder / name, bytes);
+    const auto image = read_grey(folder / name);
+    ASSERT_FALSE(image) << name;
+    EXPECT_EQ(image.error().where, (folder / name).string());
+    EXPECT_EQ(image.error().code, ErrorCode::kUnreadable) << name;
+    EXPECT_NE(image.error().what.find("("), std::string::npos) << image.error().message();
+  }
+  // A profile that cannot be used, and bytes between segments as some cameras write them, harm no
+  // pixel.
+  put_file(folder / "p.png", header + profile + sound.substr(33));
+  EXPECT_TRUE(read_colour(folder / "p.png"));
+  put_file(folder / "e.jpg", jpeg.substr(0, jpeg.size() - 2) + std::string(3, '\0') + "\xff\xd9");
+  EXPECT_TRUE(read_colour(folder / "e.jpg"));
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+}
+
+TEST(ImageFile, InterlacedPngIsRead) {
+  const ScratchFolder folder;
+  // Adam7 of 2x1 pixels: pass 1 holds the left one, pass 6 the right one.
+  const std::string ihdr("\0\0\0\x02\0\0\0\x01\x08\0\0\0\x01", 13);
+  const std::string rows("\0\x11\0\x99", 4);
+  put_file(folder / "i.png", std::string("\x89PNG\r\n\x1a\n") + testing::png_chunk("IHDR", ihdr) +
+                                 testing::png_chunk("IDAT", testing::stored_zlib(rows)) +
+                                 testing::png_chunk("IEND", ""));
+  const auto image = read_grey(folder / "i.png");
+  ASSERT_TRUE(image) << image.error().message();
+  EXPECT_EQ((*image)(0, 0), 0x11);
+  EXPECT_EQ((*image)(1, 0), 0x99);
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ Status check_map(const MapLayers& map) {
 
 class MapWriter {
  public:
-  explicit MapWriter(const fs::path& folder) : folder_(folder), set_(folder) {}
+  explicit MapWriter(FileSet& set) : folder_(set.folder()), set_(set) {}
 
   Status write(const std::string& name, std::string_view bytes) {
     return named(write_file(add(name), bytes), name);
@@ -71,7 +71,6 @@ class MapWriter {
       if (!written_.contains(name) && fs::exists(folder_ / name, ignored)) set_.remove(name);
     }
   }
-  Status commit() { return set_.commit(); }
 
  private:
   fs::path add(const std::string& name) {
@@ -85,7 +84,7 @@ class MapWriter {
   }
 
   fs::path folder_;
-  FileSet set_;
+  FileSet& set_;
   std::set<std::string> written_;
 };
 
@@ -149,17 +148,10 @@ Status read_layer(const fs::path& path, MapLayer& layer) {
   return {};
 }
 
-Status save(const MapLayers& map, const fs::path& folder) {
+Status add(const MapLayers& map, FileSet& set) {
   if (const Status checked = check_map(map); !checked) return checked;
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) {
-    return fail(ErrorCode::kWriteFailed,
-                fmt::format("the folder cannot be made: {}", error.message()), folder.string(),
-                "Check the name and the permissions");
-  }
-  if (const Status finished = FileSet::finish_interrupted(folder); !finished) return finished;
-  MapWriter writer(folder);
+  if (const Status finished = FileSet::finish_interrupted(set.folder()); !finished) return finished;
+  MapWriter writer(set);
   for (const MapLayer& layer : map.layers) {
     if (Status written = writer.write_layer(layer); !written) return written;
   }
@@ -170,8 +162,22 @@ Status save(const MapLayers& map, const fs::path& folder) {
     if (Status written = write_nav2(writer, map, *cost); !written) return written;
   }
   if (Status written = writer.write(kIndexName, print_map_yaml(map)); !written) return written;
-  writer.remove_old(files_of_old_map(folder));
-  return writer.commit();
+  writer.remove_old(files_of_old_map(set.folder()));
+  return {};
+}
+
+Status save(const MapLayers& map, const fs::path& folder) {
+  if (const Status checked = check_map(map); !checked) return checked;
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) {
+    return fail(ErrorCode::kWriteFailed,
+                fmt::format("the folder cannot be made: {}", error.message()), folder.string(),
+                "Check the name and the permissions");
+  }
+  FileSet set(folder);
+  if (Status added = add(map, set); !added) return added;
+  return set.commit();
 }
 
 Result<MapLayers> load(const fs::path& path) {
@@ -196,6 +202,16 @@ Result<MapLayers> load(const fs::path& path) {
 }
 
 }  // namespace
+
+Status add_map(const MapLayers& map, FileSet& set) {
+  return with_memory_checked(set.folder().string(), kNeedsMemory, [&] { return add(map, set); });
+}
+
+void remove_map(FileSet& set) {
+  const std::vector<std::string> files = files_of_old_map(set.folder());
+  for (const std::string& name : files) set.remove(name);
+  if (!files.empty()) set.remove(kIndexName);
+}
 
 Status save_map(const MapLayers& map, const fs::path& folder) {
   return with_memory_checked(folder.string(), kNeedsMemory, [&] { return save(map, folder); });

@@ -21,11 +21,18 @@
 
 namespace tread {
 
+class FileSet;
+
 // Writes every layer as <name>.tif (a 0/1 mask named "explored" also as explored.png, white where
 // 1), map.yaml, and if there is a layer "cost": nav2_map.{pgm,yaml} and nav2_cost.{pgm,yaml}. All
 // or nothing (FileSet); files of an earlier map in the folder are replaced or removed, other files
 // left alone. Makes the folder. Layer names are of letters, digits, '_' and '-'.
 [[nodiscard]] Status save_map(const MapLayers& map, const std::filesystem::path& folder);
+
+// The same as a part of a larger set: the caller commits. The folder must exist.
+[[nodiscard]] Status add_map(const MapLayers& map, FileSet& set);
+// The files of the map in the set's folder, if there is one, shall be gone with the commit.
+void remove_map(FileSet& set);
 
 // `path` is the folder or its map.yaml. An interrupted save is completed first. What was saved
 // comes back bit by bit.

@@ -133,6 +133,26 @@ TEST(MapFiles, AnEarlierMapIsReplacedAndForeignFilesStay) {
   expect_equal(load_map(folder).value(), smaller);
 }
 
+TEST(MapFiles, AMapIsAddedToAndRemovedFromALargerSet) {
+  const ScratchFolder folder;
+  put_file(folder / "notes.txt", "mine");
+  FileSet set(folder.path());
+  ASSERT_TRUE(add_map(some_map(), set));
+  ASSERT_TRUE(write_file(set.add("more.txt"), "x"));
+  EXPECT_FALSE(fs::exists(folder / "map.yaml"));  // not before the commit
+  ASSERT_TRUE(set.commit());
+  expect_equal(load_map(folder.path()).value(), some_map());
+  EXPECT_EQ(get_file(folder / "more.txt"), "x");
+  FileSet other(folder.path());
+  remove_map(other);
+  ASSERT_TRUE(other.commit());
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder.path())) {
+    names.insert(entry.path().filename().string());
+  }
+  EXPECT_EQ(names, (std::set<std::string>{"more.txt", "notes.txt"}));
+}
+
 TEST(MapFiles, AFolderThatOnlyLooksLikeAMapLosesNothing) {
   const ScratchFolder scratch;
   const fs::path folder = scratch / "map";

@@ -53,13 +53,15 @@ std::vector<std::string> split(const std::string& name) {
 
 }  // namespace
 
-Status read_options(const std::filesystem::path& path, OptionSet options) {
+Status read_options(const std::filesystem::path& path, OptionSet& options) {
   const Result<std::string> text = read_file(path, std::size_t{1} << 20);
   if (!text) return forward(text);
   try {
     const YAML::Node root = YAML::Load(*text);
     if (root.IsNull()) return {};
-    return apply(root, "", path.string(), options, 0);
+    Status done = apply(root, "", path.string(), options, 0);
+    if (done) options.settle();
+    return done;
   } catch (const YAML::Exception& error) {
     return fail(ErrorCode::kBadFormat, error.msg,
                 fmt::format("{}:{}", path.string(), error.mark.line + 1), "Correct the YAML");

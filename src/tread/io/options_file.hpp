@@ -13,10 +13,13 @@
 
 namespace tread {
 
-// Sets every field the file names; the others keep their values. An unknown key, a value out of
-// range or of another kind is an error that names file, line and key, with the nearest known name;
-// the fields before it are then already set.
-[[nodiscard]] Status read_options(const std::filesystem::path& path, OptionSet options);
+// Sets every field the file names, and settles the set; the others keep their values. An unknown
+// key, a value out of range or of another kind is an error that names file, line and key, with the
+// nearest known name; the fields before it are then already set.
+[[nodiscard]] Status read_options(const std::filesystem::path& path, OptionSet& options);
+[[nodiscard]] inline Status read_options(const std::filesystem::path& path, OptionSet&& options) {
+  return read_options(path, options);
+}
 
 // All fields with their values, meanings and ranges as comments: what read_options reads back.
 [[nodiscard]] std::string options_as_yaml(const OptionSet& options);

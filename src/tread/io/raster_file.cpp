@@ -265,7 +265,7 @@ Status write_raster(const fs::path& path, int width, int height, const GridGeome
   const fs::path temporary = set.add(path.filename().string());
   const auto bytes =
       std::uint64_t{4} * static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
-  auto file = TiffHandle::create(temporary, path.string(), bytes > 4'000'000'000U);
+  auto file = TiffHandle::create(temporary, final_path(path).string(), bytes > 4'000'000'000U);
   if (!file) return forward(file);
   set_pixel_tags(file->get(), width, height);
   const auto not_written = [&](const std::string& what) {

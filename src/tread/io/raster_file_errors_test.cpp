@@ -8,6 +8,7 @@
 #include "file_mutations.hpp"
 #include "test_data.hpp"
 #include "tiff_maker.hpp"
+#include "tread/io/atomic_file.hpp"
 #include "tread/io/raster_file.hpp"
 
 namespace tread {
@@ -155,6 +156,23 @@ TEST(GeoTiff, GridsThatCannotBeWrittenAreRefused) {
   EXPECT_EQ(nowhere.error().where, (folder / "no" / "a.tif").string());
   EXPECT_EQ(read_geotiff(folder / "none").error().code, ErrorCode::kNotFound);
   EXPECT_EQ(read_geotiff(folder.path()).error().code, ErrorCode::kUnreadable);
+}
+
+TEST(GeoTiff, MessagesNameTheFileOfASetAndNoTemporaryName) {
+  FileSet set("/nowhere");
+  const Status geotiff = write_geotiff(set.add("height.tif"), Grid<float>({1.0, {0.0, 0.0}, 2, 2}));
+  ASSERT_FALSE(geotiff);
+  EXPECT_EQ(geotiff.error().message(),
+            "/nowhere/height.tif: cannot be created (No such file or directory). Check that the "
+            "folder exists, is writable and has space.");
+  const Status text = write_file(set.add("path.csv"), "x");
+  ASSERT_FALSE(text);
+  EXPECT_EQ(text.error().where, "/nowhere/path.csv");
+  EXPECT_EQ(final_path("a/.tread-0123456789abcdef-b"), "a/b");
+  for (const char* other :
+       {"a/.tread-0123456789abcdef-", "a/.tread-0123456789abcdeX-b", "a/b", ""}) {
+    EXPECT_EQ(final_path(other), other);
+  }
 }
 
 TEST(GeoTiff, AFullDiskLeavesTheOldFile) {

@@ -90,6 +90,7 @@ void TiffHandle::Close::operator()(tiff* handle) const {
 
 bool TiffHandle::open_as(const fs::path& path, const char* mode) {
   first_error_ = std::make_unique<std::string>();
+  opened_ = path.string();
   const std::unique_ptr<TIFFOpenOptions, decltype(&TIFFOpenOptionsFree)> options(
       TIFFOpenOptionsAlloc(), &TIFFOpenOptionsFree);
   TIFFOpenOptionsSetErrorHandlerExtR(options.get(), keep_first_error, first_error_.get());
@@ -149,8 +150,10 @@ std::string TiffHandle::text(std::uint32_t tag) const {
 
 tl::unexpected<Error> TiffHandle::error(ErrorCode code, const std::string& otherwise,
                                         const std::string& remedy) const {
-  const bool silent = first_error_ == nullptr || first_error_->empty();
-  return fail(code, silent ? otherwise : fmt::format("{} ({})", otherwise, *first_error_), where_,
+  std::string reason = first_error_ == nullptr ? std::string() : *first_error_;
+  // libtiff begins with the name of the file, which the message has already.
+  if (reason.starts_with(opened_ + ": ")) reason.erase(0, opened_.size() + 2);
+  return fail(code, reason.empty() ? otherwise : fmt::format("{} ({})", otherwise, reason), where_,
               remedy);
 }
 

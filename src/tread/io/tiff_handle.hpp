@@ -60,6 +60,7 @@ class TiffHandle {
   [[nodiscard]] bool open_as(const std::filesystem::path& path, const char* mode);
 
   std::string where_;
+  std::string opened_;  // the path given to libtiff, which may be a temporary one
   std::size_t file_bytes_ = 0;
   std::unique_ptr<std::string> first_error_;  // on the heap: libtiff holds its address
   std::unique_ptr<tiff, Close> tiff_;

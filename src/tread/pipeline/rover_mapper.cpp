@@ -46,12 +46,20 @@ OptionSet describe(RoverMapOptions& options) {
   set.add_group("pose", describe(options.pose));
   set.add_group("stereo", describe(options.stereo));
   set.add("shrink", options.shrink, "match images shrunk by this factor", 1, 16);
-  set.add("auto_num_disparities", options.auto_num_disparities,
-          "widen the search to what the first frame needs");
+  set.add_automatic("auto_num_disparities", options.auto_num_disparities,
+                    "widen the search to what the first frame needs; off where num_disparities is "
+                    "given alone",
+                    "stereo.sad.num_disparities");
   set.add_group("depth", describe(options.depth));
-  set.add("extend_range", options.extend_range,
-          "see as far as a quarter of a pixel is one cell of the map");
+  set.add_automatic("extend_range", options.extend_range,
+                    "see as far as a quarter of a pixel is one cell of the map; off where "
+                    "max_depth_m is given alone",
+                    "depth.max_depth_m");
   set.add_group("local", describe(options.local));
+  for (const char* reach : {"local.range_m", "local.behind_m"}) {
+    set.withdraw(reach, "the mapper sets this from depth.max_depth_m and the camera's mount",
+                 "Set depth.max_depth_m in its place");
+  }
   set.add_group("global", describe(options.global));
   set.add_group("cost", describe(options.cost));
   // Seen from above the camera may look all around.

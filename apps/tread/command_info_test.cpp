@@ -1,0 +1,74 @@
+// `tread info` as a user runs it.
+#include <cmath>
+
+#include "command_test.hpp"
+#include "tread/io/map_files.hpp"
+
+namespace tread {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace testing;
+
+TEST(TreadInfo, KnowsEveryKind) {
+  const ScratchFolder out;
+  ASSERT_EQ(tread("map " + drive().string() + " -o " + (out / "m").string()).status, 0);
+  ASSERT_EQ(tread("depth " + pair_arguments() + " --rig " + (drive() / "rig.yaml").string() +
+                  " -o " + (out / "d").string())
+                .status,
+            0);
+  ASSERT_TRUE(write_file(out / "kitti.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n"));
+  ASSERT_TRUE(write_file(out / "times.txt", "0\n0.1\n0.2\n"));
+  ASSERT_TRUE(write_file(out / "i.PPM", "P6 1 1 255\nabc"));
+  const std::pair<std::string, std::string> cases[] = {
+      {drive().string(), "left and right images"},
+      {(out / "m").string(), "map"},
+      {(out / "m/map.yaml").string(), "map"},
+      {(out / "m/cost.tif").string(), "GeoTIFF grid"},
+      {(out / "m/trajectory.tum").string(), "trajectory"},
+      {(out / "d/disparity.pfm").string(), "float image (PFM)"},
+      {(out / "d/depth.tif").string(), "float image (TIFF)"},
+      {(out / "d/cloud.ply").string(), "point cloud"},
+      {(out / "d/disparity.png").string(), "image"},
+      {(out / "m/path.csv").string(), "path"},
+      {(out / "m/nav2_map.yaml").string(), "Nav2"},
+      {(out / "m/nav2_cost.yaml").string(), "Nav2"},
+      {(out / "m/report.html").string(), "web page"},
+      {(drive() / "poses.txt").string(), "trajectory (TUM)"},
+      {(out / "kitti.txt").string(), "trajectory (KITTI"},
+      {(out / "times.txt").string(), "times"},
+      {(out / "i.PPM").string(), "image"},
+      {(out / "d").string(), "results of 'tread depth'"},
+      {TREAD_SOURCE_DIR "/examples/demo.yaml", "options"},
+      {(drive() / "rig.yaml").string(), "stereo rig"},
+      {"bumblebee2-1024", "stereo rig"}};
+  for (const auto& [path, kind] : cases) {
+    const Ran ran = tread("info --json " + path);
+    ASSERT_EQ(ran.status, 0) << path << ran.err;
+    EXPECT_NE(ran.json()["kind"].get<std::string>().find(kind), std::string::npos)
+        << path << ran.out;
+    EXPECT_EQ(tread("info " + path).status, 0);
+  }
+  expect_refused("info nowhere", {"nowhere"});
+  ASSERT_TRUE(write_file(out / "what.txt", "some words\n"));
+  expect_refused("info " + (out / "what.txt").string(), {"what.txt", "no file that tread knows"});
+  ASSERT_TRUE(write_file(out / "p.csv", "x_m,y_m\n1,2\n3;4\n"));
+  expect_refused("info " + (out / "p.csv").string(), {"p.csv:3", "3;4"});
+}
+
+TEST(TreadInfo, TellsUnitsWhereThereAreAnyAndNoRangeWhereNothingIsKnown) {
+  const ScratchFolder out;
+  MapLayers map;
+  const GridGeometry geometry{0.5, {0.0, 0.0}, 2, 2};
+  map.layers.push_back({"height", "m", "", Grid<float>(geometry, 1.5F)});
+  map.layers.push_back({"slope", "1", "", Grid<float>(geometry, 0.25F)});
+  map.layers.push_back({"step", "1", "", Grid<float>(geometry, std::nanf(""))});
+  ASSERT_TRUE(save_map(map, out / "m"));
+  const Ran ran = tread("info " + (out / "m").string());
+  EXPECT_NE(ran.out.find("1.5 to 1.5 m\n"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("0.25 to 0.25\n"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("nothing known\n"), std::string::npos) << ran.out;
+}
+
+}  // namespace
+}  // namespace tread

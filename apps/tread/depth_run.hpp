@@ -1,0 +1,50 @@
+// What `tread depth` gathers on its way, and what it makes of it: numbers, files, the report.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "command.hpp"
+#include "tread/geometry/rectification.hpp"
+#include "tread/stereo/depth.hpp"
+#include "tread/stereo/stereo_matcher.hpp"
+
+namespace tread {
+
+struct DepthSettings {
+  StereoOptions stereo;
+  DepthOptions depth{0.0, 1e4};
+  int shrink = 1;
+  bool auto_num_disparities = true;
+};
+
+struct DepthArguments {
+  std::string left, right, rig, profile = "general", method = "sad", command_line;
+  std::optional<int> num_disparities;
+  CommonOptions common;
+};
+
+struct DepthRun {
+  ImageSize full_size;  // before shrinking
+  Image<Rgb> colour_left, colour_right;
+  Image<std::uint8_t> left, right;
+  std::optional<RectifiedRig> rig;  // empty without --rig: disparity only
+  DepthSettings settings;
+  Image<Disparity> disparity;
+  Image<float> disparity_px;  // NaN where there is no match
+  Image<float> depth;
+  PointCloud cloud;
+  Timings timings;
+  std::optional<Error> problem;  // why there is no result
+};
+
+// What hinders, if nothing was matched or none of it lies within the kept depths.
+[[nodiscard]] std::optional<Error> find_problem(const DepthArguments& arguments,
+                                                const DepthRun& run);
+// A few lines, and the same for --json.
+void summarise(const DepthRun& run, Output& output);
+// The files of -o.
+[[nodiscard]] Status write_results(const DepthArguments& arguments, const DepthRun& run,
+                                   Output& output);
+
+}  // namespace tread
