@@ -94,8 +94,9 @@ int main(int argc, char** argv) {
     if (word == "--json") {
       json = true;
     } else if (equals == std::string::npos) {
-      fmt::print(stderr, "usage: stereo_accuracy [--json] [name=value ...]\n");
-      return 2;
+      const bool help = word == "--help" || word == "-h";
+      fmt::print(help ? stdout : stderr, "usage: stereo_accuracy [--json] [name=value ...]\n");
+      return help ? 0 : 2;
     } else if (Status s = described.set(word.substr(0, equals), word.substr(equals + 1)); !s) {
       fmt::print(stderr, "{}\n", s.error().message());
       return 2;

@@ -279,6 +279,8 @@ TEST(StereoRig, ARigThatComesRectifiedMustLookLikeIt) {
             "T_left_right");
   EXPECT_EQ(where([](StereoRig& rig) { rig.T_left_right.translation().y() = 1e-3; }),
             "T_left_right");
+  EXPECT_EQ(where([](StereoRig& rig) { rig.T_left_right.translation().z() = 1e-3; }),
+            "T_left_right");
   EXPECT_EQ(where([](StereoRig& rig) { rig.T_left_right.translation() *= -1.0; }), "T_left_right");
 }
 

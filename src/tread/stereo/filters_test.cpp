@@ -48,6 +48,9 @@ TEST(HoleFilter, MedianOfTheKnownIgnoresTheUnknown) {
   Image<Disparity> three = image({{10, 20, 30}, {X, X, X}, {X, X, X}});
   filter.apply(three, options);
   EXPECT_EQ(three(1, 1), 20);
+  Image<Disparity> even = image({{10, 20, 30}, {40, X, X}, {X, X, X}});
+  filter.apply(even, options);
+  EXPECT_EQ(even(1, 1), 30);
   Image<Disparity> two = image({{10, 20, X}, {X, X, X}, {X, X, X}});
   filter.apply(two, options);
   EXPECT_EQ(two(1, 1), X);

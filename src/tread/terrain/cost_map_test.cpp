@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <random>
+#include <utility>
 
 namespace tread {
 namespace {
@@ -203,8 +204,39 @@ TEST(CostMap, ObstacleListsAreMergedAsMaximumAndTakenBack) {
   EXPECT_GT(costs.grid().geometry.columns, 130);
 }
 
+// A disc touches the cells that a point of it lies in: the corner (0.3, 0.3) of cell (1, 1) is
+// 0.2121 m from the disc's centre.
+TEST(CostMap, DiscsCountInTheCellsThatTheyTouch) {
+  for (const auto& [radius_m, touches] : {std::pair(0.205, false), {0.211, false}, {0.213, true}}) {
+    CostMap costs;
+    ASSERT_TRUE(costs.set_obstacles(ObstacleList::kBump, {{{0.15, 0.15}, radius_m, 70.0}}));
+    EXPECT_EQ(costs.at({0, 0}), 70.0F);
+    EXPECT_EQ(costs.at({1, 0}), 70.0F);
+    EXPECT_EQ(costs.at({0, -1}), 70.0F);
+    EXPECT_EQ(costs.at({1, 1}) == 70.0F, touches) << radius_m;
+    EXPECT_EQ(costs.at({-1, -1}) == 70.0F, touches) << radius_m;
+  }
+}
+
+// Where the robot stands, known or not.
+TEST(CostMap, ReachMakesThePlacePartOfTheGrid) {
+  GlobalMap map = uniform_map(0.0F);
+  CostMap costs = costs_of(map);
+  const Eigen::Vector2d place(-20.0, 31.0);
+  EXPECT_FALSE(costs.grid().geometry.contains(costs.grid().geometry.cell_at(place)));
+  costs.reach(place);
+  const Grid<float> grid = costs.grid();
+  const Cell cell = grid.geometry.cell_at(place);
+  ASSERT_TRUE(grid.geometry.contains(cell));
+  EXPECT_TRUE(std::isnan(grid[cell]));
+}
+
 TEST(CostMap, RefusesDiscsThatCannotBe) {
   CostMap costs;
+  EXPECT_FALSE(costs.set_obstacles(ObstacleList::kBump, {{{0.0, 0.0}, 100.1, 1.0}}));
+  EXPECT_FALSE(costs.set_obstacles(ObstacleList::kBump, {{{0.0, 0.0}, -0.1, 1.0}}));
+  EXPECT_FALSE(costs.set_obstacles(ObstacleList::kBump, {{{0.0, 0.0}, 0.5, -1.0}}));
+  EXPECT_FALSE(costs.set_obstacles(ObstacleList::kBump, {{{0.0, -2e7}, 0.5, 1.0}}));
   EXPECT_FALSE(costs.set_obstacles(ObstacleList::kBump, {{{std::nan(""), 0.0}, 0.5, 1.0}}));
   EXPECT_FALSE(costs.set_obstacles(ObstacleList::kBump, {{{0.0, 0.0}, 1e9, 1.0}}));
   EXPECT_FALSE(costs.set_obstacles(ObstacleList::kBump, {{{0.0, 0.0}, 0.5, std::nan("")}}));
