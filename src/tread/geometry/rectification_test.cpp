@@ -180,6 +180,14 @@ TEST(Rectification, OnlyCamerasSideBySideAreHandled) {
     return made ? std::string("made") : made.error().message();
   };
   EXPECT_EQ(error_of({0, 0, 0}, {0.1, 0.05, -0.05}), "made");
+  // What counts is the direction seen halfway between the two: cameras that look 80 degrees apart
+  // are side by side along the x axis turned by 40, and behind each other along the one turned by
+  // -40.
+  const Vector3d apart(0.0, 1.396, 0.0);
+  const Vector3d beside = so3_exp(0.5 * apart) * Vector3d(0.1, 0.0, 0.0);
+  const Vector3d behind = so3_exp(-0.5 * apart) * Vector3d(0.1, 0.0, 0.0);
+  EXPECT_EQ(error_of(apart, beside), "made");
+  EXPECT_NE(error_of(apart, behind).find("viewing direction"), std::string::npos);
   EXPECT_NE(error_of({0, 0, 0}, {0.01, 0.1, 0.0}).find("above or below"), std::string::npos);
   EXPECT_NE(error_of({0, 0, 0}, {0.01, -0.1, 0.0}).find("above or below"), std::string::npos);
   EXPECT_NE(error_of({0, 0, 0}, {0.0, 0.01, 0.1}).find("viewing direction"), std::string::npos);

@@ -230,6 +230,8 @@ TEST(StereoRig, CheckNamesWhatIsUnsound) {
   EXPECT_EQ(where([](StereoRig& rig) { rig.size.height = -480; }), "size");
   EXPECT_EQ(where([](StereoRig& rig) { rig.size = {16385, 10}; }), "size");
   EXPECT_EQ(where([](StereoRig& rig) { rig.size = {16384, 16384}; }), "size");
+  EXPECT_EQ(where([](StereoRig& rig) { rig.size = {8192, 8193}; }), "size");
+  EXPECT_EQ(where([](StereoRig& rig) { rig.size = {8192, 8192}; }), "sound");
   EXPECT_EQ(where([](StereoRig& rig) { std::get<PinholeCamera>(rig.left).fx = 0; }), "left.fx");
   EXPECT_EQ(where([](StereoRig& rig) { std::get<PinholeCamera>(rig.right).cy = kInfinity; }),
             "right.cy");

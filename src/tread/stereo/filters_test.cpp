@@ -164,9 +164,12 @@ TEST(SpeckleFilter, EqualsFloodFill) {
       }
     }
     for (int size : {0, 1, 7, 60}) {
-      Image<Disparity> filtered = noisy;
-      filter.apply(filtered, {true, size, 0.7});  // 0.7 px are 44.8 steps: 40 joins, 80 does not
-      EXPECT_TRUE(filtered == speckle_oracle(noisy, size, 45)) << round << " " << size;
+      // 0.7 px are 44.8 steps: 40 joins, 80 does not. 0.625 px are 40: the limit itself joins.
+      for (const auto& [px, steps] : {std::pair(0.7, 45), {0.625, 40}, {0.61, 39}}) {
+        Image<Disparity> filtered = noisy;
+        filter.apply(filtered, {true, size, px});
+        EXPECT_TRUE(filtered == speckle_oracle(noisy, size, steps)) << round << " " << size;
+      }
     }
   }
 }

@@ -163,6 +163,15 @@ TEST(GlobalMap, RefusesWildPosesAndForeignGrids) {
   EXPECT_TRUE(map.integrate(local.height, local.derivative, {{5e6, -5e6, 0}, 1.0}, {}));
 }
 
+// A place looked at all day long stays explored: its count stops at the largest number.
+TEST(GlobalMap, TheCountOfMeasurementsStopsAtItsLargest) {
+  GlobalMap map;
+  const Grid<float> one(GridGeometry{0.1, {0.0, 0.0}, 1, 1}, 1.0F);
+  for (int i = 0; i < 65536; ++i) ASSERT_TRUE(map.integrate(one, one, {}, {}));
+  EXPECT_TRUE(ground(map, 0.05, 0.05).explored());
+  EXPECT_EQ(ground(map, 0.05, 0.05).measurements, 65535);
+}
+
 TEST(GlobalMap, LayersRoundTrip) {
   GlobalMap map;
   Local local = uniform(0.0F, 0.25F);
