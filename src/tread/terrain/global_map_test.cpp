@@ -197,6 +197,14 @@ TEST(GlobalMap, LayersRoundTrip) {
       EXPECT_EQ(a->derivative, b->derivative);
     }
   }
+  // Known ground without derivative is 0 in "explored", and NaN only in "derivative".
+  int unexplored = 0;
+  for (std::size_t i = 0; i < layers.layers[0].grid.values.size(); ++i) {
+    const float explored = layers.find("explored")->grid.values[i];
+    EXPECT_EQ(explored, std::isnan(layers.find("derivative")->grid.values[i]) ? 0.0F : 1.0F);
+    unexplored += !std::isnan(layers.find("height")->grid.values[i]) && explored == 0.0F ? 1 : 0;
+  }
+  EXPECT_GT(unexplored, 0);
   MapLayers poorer = layers;
   poorer.layers.erase(poorer.layers.begin());
   const auto missing = GlobalMap::from_layers(poorer);
@@ -207,6 +215,18 @@ TEST(GlobalMap, LayersRoundTrip) {
   const auto unequal = GlobalMap::from_layers(shifted);
   ASSERT_FALSE(unequal);
   EXPECT_EQ(unequal.error().code, ErrorCode::kBadFormat);
+}
+
+// Origins of cells are no whole numbers of tenths: rounding finds the cell again.
+TEST(GlobalMap, LayersRoundTripAtEveryPlace) {
+  const Grid<float> one(GridGeometry{0.1, {0.0, 0.0}, 1, 1}, 1.0F);
+  for (int i = -60; i <= 60; ++i) {
+    GlobalMap map;
+    ASSERT_TRUE(map.integrate(one, one, {{0.1 * i + 0.01, -0.1 * i + 0.01, 0.0}, 0.0}, {}));
+    const auto back = GlobalMap::from_layers(map.layers());
+    ASSERT_TRUE(back);
+    EXPECT_EQ(back->bounds(), map.bounds()) << i;
+  }
 }
 
 // METHODS 10.3: with +-1 degree of pitch error a frame, heights at 6 m shift by 10 cm. Stereo sees

@@ -95,6 +95,10 @@ TEST(LocalMap, CellsAreMeanOrMaximumOfEnoughPoints) {
   map = heights(points, options);
   EXPECT_NEAR(map[map.geometry.cell_at({1.05, 0.05})], 0.5, 1e-6);
   EXPECT_NEAR(map[map.geometry.cell_at({2.05, 0.05})], 0.7, 1e-6);
+  // Also below the robot's ground.
+  const std::vector<Vector3f> ditch = {{1.01F, 0.01F, -0.6F}, {1.02F, 0.02F, -0.4F}};
+  map = heights(ditch, options);
+  EXPECT_NEAR(map[map.geometry.cell_at({1.05, 0.05})], -0.4, 1e-6);
 }
 
 TEST(LocalMap, LeavesOutWhatIsNotFiniteTooHighOrOutside) {
