@@ -257,9 +257,10 @@ bool read_case(const std::string& name, std::size_t count, Case& result) {
   if (!map || !scenarios || rows <= 0 || columns <= 0) return false;
   result.name = fmt::format("{} {}x{}", name, columns, rows);
   result.grid = Grid<float>(tread::GridGeometry{1.0, {0.0, 0.0}, columns, rows}, 1.0F);
-  for (int y = 0; y < rows && map >> word; ++y) {
+  for (int y = 0; y < rows; ++y) {
+    if (!(map >> word) || word.size() != static_cast<std::size_t>(columns)) return false;
     for (int x = 0; x < columns; ++x) {
-      const char c = word.at(static_cast<std::size_t>(x));
+      const char c = word[static_cast<std::size_t>(x)];
       if (c != '.' && c != 'G') result.grid[{x, y}] = 100.0F;
     }
   }
@@ -397,8 +398,9 @@ int main(int argc, char** argv) {
     } else if (word == "--repetitions" && i + 1 < argc && std::atoi(argv[i + 1]) > 0) {
       repetitions = std::atoi(argv[++i]);
     } else {
-      fmt::print(stderr, "usage: plan [--json] [--repetitions N]\n");
-      return 2;
+      const bool help = word == "--help" || word == "-h";
+      fmt::print(help ? stdout : stderr, "usage: plan [--json] [--repetitions N]\n");
+      return help ? 0 : 2;
     }
   }
   std::vector<Case> cases = {smooth_case(), seen_track_case()};
@@ -406,6 +408,10 @@ int main(int argc, char** argv) {
     Case read;
     if (read_case(name, 40, read)) {
       cases.push_back(std::move(read));
+    } else if (std::getenv("TREAD_DATA") != nullptr) {
+      fmt::print(stderr, "{} cannot be read in {}: check TREAD_DATA\n", name,
+                 data_folder().string());
+      return 1;
     } else {
       fmt::print(stderr, "{} is not in {}: left out; set TREAD_DATA to the data folder\n", name,
                  data_folder().string());

@@ -112,8 +112,10 @@ int main(int argc, char** argv) {
     } else if (word == "--ours") {
       rivals = false;
     } else if (equals == std::string::npos) {
-      fmt::print(stderr, "usage: stereo_accuracy [--json] [--ours] [name=value ...]\n");
-      return 2;
+      const bool help = word == "--help" || word == "-h";
+      fmt::print(help ? stdout : stderr,
+                 "usage: stereo_accuracy [--json] [--ours] [name=value ...]\n");
+      return help ? 0 : 2;
     } else if (Status s = described.set(word.substr(0, equals), word.substr(equals + 1)); !s) {
       fmt::print(stderr, "{}\n", s.error().message());
       return 2;

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <ctime>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -63,7 +62,17 @@ double median(std::vector<double> values) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const bool json = argc > 1 && std::strcmp(argv[1], "--json") == 0;
+  bool json = false;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool help = word == "--help" || word == "-h";
+    if (word == "--json") {
+      json = true;
+    } else {
+      fmt::print(help ? stdout : stderr, "usage: terrain [--json]\n");
+      return help ? 0 : 2;
+    }
+  }
   const RectifiedRig rig = *rectified_rig(bumblebee2(640));
   const CameraMount mount = level_mount(1.0, 0.35, true);
 

@@ -96,6 +96,7 @@ TEST(Options, BadTextLeavesTheFieldAlone) {
   EXPECT_FALSE(set.set("fill", "maybe"));
   EXPECT_FALSE(set.set("method", "elas"));
   EXPECT_FALSE(set.set("knots", "1:2 0:3"));
+  EXPECT_FALSE(set.set("knots", "1:2 1:3"));
   EXPECT_FALSE(set.set("knots", ""));
   EXPECT_FALSE(set.set("knots", "1"));
   EXPECT_EQ(options.knots.size(), 2U);

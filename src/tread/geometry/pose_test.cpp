@@ -62,6 +62,25 @@ TEST(Se3, LogInvertsExpAndLeftJacobianIsTheDerivative) {
   }
 }
 
+// The left Jacobian is the power series of ad / (n + 1)!, summed here to the last digit: both the
+// closed forms and the series near 0 are held to that.
+TEST(Se3, LeftJacobianIsItsPowerSeries) {
+  const Vector3d v(0.3, -1.2, 2.0), axis = Vector3d(0.2, -0.5, 0.84).normalized();
+  for (const double angle : {0.0, 1e-6, 9.9e-5, 1.1e-4, 1e-3, 9.9e-3, 1.1e-2, 0.3, 2.0}) {
+    Vector6d twist;
+    twist << v, angle * axis;
+    Matrix6d ad = Matrix6d::Zero();
+    ad.topLeftCorner<3, 3>() = ad.bottomRightCorner<3, 3>() = hat(angle * axis);
+    ad.topRightCorner<3, 3>() = hat(v);
+    Matrix6d sum = Matrix6d::Identity(), term = Matrix6d::Identity();
+    for (int n = 1; n < 40; ++n) {
+      term = term * ad / (n + 1);
+      sum += term;
+    }
+    EXPECT_LT((se3_left_jacobian(twist) - sum).norm(), 2e-12) << angle;
+  }
+}
+
 TEST(Se3, AdjointMovesATwistAcross) {
   Vector6d twist, small;
   twist << 0.5, 0.2, -0.7, 0.4, -1.0, 0.3;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace tread {
 namespace {
@@ -28,8 +29,21 @@ TEST(PaperQCamera, FocalLengthAndBaseline) {
   EXPECT_NEAR(rig_of(640).baseline_m * rig_of(640).fx_px, 40.0, 1e-9);
   EXPECT_EQ(rig_of(1024).size, (ImageSize{1024, 768}));
   EXPECT_EQ(rig_of(640).size, (ImageSize{640, 480}));
-  // Square pixels: 3.6 mm over 768 rows is 4.8 mm over 1024 columns.
-  EXPECT_EQ(rig_of(1024).fx_px, rig_of(1024).fy_px);
+}
+
+// At a depth of 2.5 mm, the focal length, the rays of the image's borders are as far apart as on
+// the sensor: 4.8 x 3.6 mm, and a pixel of it is 4.69 um wide and high at 1024 columns.
+TEST(PaperQCamera, SquarePixelsFillTheSensor) {
+  for (const auto& [width, pixel_um] : {std::pair(1024, 4.6875), std::pair(640, 7.5)}) {
+    const RectifiedRig rig = rig_of(width);
+    const Vector3d first = rig.point(-0.5, -0.5, 2.5e-3);
+    const Vector3d last = rig.point(rig.size.width - 0.5, rig.size.height - 0.5, 2.5e-3);
+    EXPECT_NEAR(1e3 * (last.x() - first.x()), 4.8, 1e-9);
+    EXPECT_NEAR(1e3 * (last.y() - first.y()), 3.6, 1e-9);
+    const Vector3d next = rig.point(0.5, 0.5, 2.5e-3);
+    EXPECT_NEAR(1e6 * (next.x() - first.x()), pixel_um, 1e-9);
+    EXPECT_NEAR(1e6 * (next.y() - first.y()), pixel_um, 1e-9);
+  }
 }
 
 TEST(PaperQCamera, SmallestDepth) {
@@ -57,6 +71,49 @@ TEST(PaperQCamera, DepthResolutionOfAQuarterPixel) {
   const RectifiedRig rig = rig_of(1024);
   const double d = rig.disparity_px(2.0);
   EXPECT_NEAR(rig.depth_m(d - 0.125) - rig.depth_m(d + 0.125), rig.depth_resolution_m(2.0), 1e-6);
+}
+
+// What step of the disparity the printed 4, 15, 35 mm stand for: a quarter pixel at 1024 columns,
+// at 640 some 0.15, which nobody claims.
+TEST(PaperQCamera, PrintedDepthResolutionsAreAQuarterPixelAt1024Columns) {
+  const double printed_mm[] = {4.0, 15.0, 35.0};
+  const double step_1024[] = {0.256, 0.240, 0.249};
+  const double step_640[] = {0.160, 0.150, 0.156};
+  for (int i = 0; i < 3; ++i) {
+    const double z = i + 1.0;
+    EXPECT_NEAR(1e-3 * printed_mm[i] / rig_of(1024).depth_resolution_m(z, 1.0), step_1024[i], 5e-4);
+    EXPECT_NEAR(1e-3 * printed_mm[i] / rig_of(640).depth_resolution_m(z, 1.0), step_640[i], 5e-4);
+  }
+}
+
+// Eq. 2 as printed has the disparity where its step belongs: r would be the depth itself.
+TEST(PaperQCamera, EquationTwoAsPrintedGivesTheDepth) {
+  for (double z : {0.8, 1.0, 4.0}) {
+    const RectifiedRig rig = rig_of(1024);
+    EXPECT_NEAR(rig.depth_resolution_m(z, rig.disparity_px(z)), z, 1e-12);
+  }
+}
+
+// "calibrated to 0.11 pixels": what such an error of the disparity does at one metre.
+TEST(PaperQCamera, CalibrationErrorAtOneMetre) {
+  for (const auto& [width, printed_mm] : {std::pair(1024, 1.7), std::pair(640, 2.8)}) {
+    const RectifiedRig rig = rig_of(width);
+    EXPECT_NEAR(1e3 * rig.depth_resolution_m(1.0, 0.11), printed_mm, 0.051);
+    const double d = rig.disparity_px(1.0);
+    EXPECT_NEAR(rig.depth_m(d - 0.055) - rig.depth_m(d + 0.055), rig.depth_resolution_m(1.0, 0.11),
+                1e-8);
+  }
+}
+
+// Paper R's six metres: a quarter pixel is there about a cell of 0.1 m with 1024 columns and lenses
+// of 3.8 or 2.5 mm, and not with 640.
+TEST(PaperRCamera, QuarterPixelAtSixMetresIsAboutACell) {
+  RectifiedRig longer = rig_of(1024);
+  longer.fx_px *= 3.8 / 2.5;
+  EXPECT_NEAR(longer.depth_resolution_m(6.0), 0.0925, 5e-5);
+  EXPECT_NEAR(longer.depth_resolution_m(6.0), 0.10, 0.01);
+  EXPECT_NEAR(rig_of(1024).depth_resolution_m(6.0), 0.14, 0.001);
+  EXPECT_NEAR(rig_of(640).depth_resolution_m(6.0), 0.225, 1e-9);
 }
 
 TEST(PaperQCamera, SearchWindowOf10To74Pixels) {
@@ -173,6 +230,8 @@ TEST(StereoRig, CheckNamesWhatIsUnsound) {
   EXPECT_EQ(where([](StereoRig& rig) { rig.size.height = -480; }), "size");
   EXPECT_EQ(where([](StereoRig& rig) { rig.size = {16385, 10}; }), "size");
   EXPECT_EQ(where([](StereoRig& rig) { rig.size = {16384, 16384}; }), "size");
+  EXPECT_EQ(where([](StereoRig& rig) { rig.size = {8192, 8193}; }), "size");
+  EXPECT_EQ(where([](StereoRig& rig) { rig.size = {8192, 8192}; }), "sound");
   EXPECT_EQ(where([](StereoRig& rig) { std::get<PinholeCamera>(rig.left).fx = 0; }), "left.fx");
   EXPECT_EQ(where([](StereoRig& rig) { std::get<PinholeCamera>(rig.right).cy = kInfinity; }),
             "right.cy");
@@ -221,6 +280,8 @@ TEST(StereoRig, ARigThatComesRectifiedMustLookLikeIt) {
             }),
             "T_left_right");
   EXPECT_EQ(where([](StereoRig& rig) { rig.T_left_right.translation().y() = 1e-3; }),
+            "T_left_right");
+  EXPECT_EQ(where([](StereoRig& rig) { rig.T_left_right.translation().z() = 1e-3; }),
             "T_left_right");
   EXPECT_EQ(where([](StereoRig& rig) { rig.T_left_right.translation() *= -1.0; }), "T_left_right");
 }

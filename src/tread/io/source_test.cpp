@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "file_mutations.hpp"
@@ -132,7 +133,9 @@ TEST(Source, ColourCamerasOfKittiHaveTheirOwnMatricesAndPlace) {
   }
   const auto source = open_stereo_source(folder.path());
   ASSERT_TRUE(source) << source.error().message();
-  EXPECT_EQ(pinhole_of((*source)->rig().left).fx, 12.0);
+  const PinholeCamera colour = pinhole_of((*source)->rig().left);
+  EXPECT_EQ((std::array{colour.fx, colour.fy, colour.cx, colour.cy, colour.skew}),
+            (std::array{12.0, 12.0, 2.0, 1.0, 0.0}));
   EXPECT_NEAR((*source)->rig().T_left_right.translation().x(), 0.4, 1e-12);
   const Read read = read_all(**source);
   ASSERT_EQ(read.frames.size(), 2U);

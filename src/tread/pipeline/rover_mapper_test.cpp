@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <vector>
 
 #include "synthetic_drive.hpp"
 #include "tread/plan/planner.hpp"
@@ -95,6 +97,17 @@ TEST(RoverMapper, PlanGoesRoundTheBlock) {
   }
 }
 
+// Where the robot stands is on the map, though its camera sees the ground from 0.6 m ahead on only.
+TEST(RoverMapper, TheCostMapReachesToTheRobot) {
+  auto mapper = RoverMapper::make(rover_rig(), {});
+  ASSERT_TRUE(mapper);
+  ASSERT_TRUE(mapper->add(drive()[0]));
+  const Grid<float> grid = mapper->cost().grid();
+  EXPECT_TRUE(grid.geometry.contains(grid.geometry.cell_at({0.0, 0.0})));
+  const Plan plan = plan_waypoints(grid, {0.0, 0.0}, {2.0, 0.0}, {});
+  EXPECT_EQ(plan.status, PlanStatus::kFound) << plan.reason;
+}
+
 TEST(RoverMapper, SameForAnyThreadCount) {
   Context two;
   two.threads = 2;
@@ -137,6 +150,42 @@ TEST(RoverMapper, RangeIsSixMetresOrWhereAQuarterPixelIsACell) {
   EXPECT_DOUBLE_EQ(RoverMapper::make(wide, fixed)->options().depth.max_depth_m, 6.0);
 }
 
+// A frame all of whose pixels have the same disparity.
+StereoFrame shifted_frame(int disparity_px) {
+  StereoFrame frame = drive()[0];
+  for (int y = 0; y < frame.left.height; ++y) {
+    for (int x = 0; x < frame.left.width; ++x) {
+      const auto texture = [y](int u) {
+        return static_cast<std::uint8_t>(255.0 * testing::lattice_noise(u / 4, y / 4, 0));
+      };
+      frame.left(x, y) = texture(x - disparity_px + 1000);
+      frame.right(x, y) = texture(x + 1000);
+    }
+  }
+  return frame;
+}
+
+TEST(RoverMapper, TheFirstFrameAloneWidensTheSearchAndNoneNarrowsIt) {
+  const auto after = [](const RoverMapOptions& options, const std::vector<StereoFrame>& frames) {
+    auto mapper = RoverMapper::make(rover_rig(), options);
+    EXPECT_TRUE(mapper);
+    for (const StereoFrame& frame : frames) EXPECT_TRUE(mapper->add(frame));
+    return mapper->options().stereo.sad.num_disparities;
+  };
+  RoverMapOptions options;
+  options.stereo.sad.num_disparities = 64;
+  EXPECT_EQ(after(options, {shifted_frame(20)}), 64);
+  const int wide = after(options, {shifted_frame(100)});
+  EXPECT_GT(wide, 100);
+  EXPECT_LE(wide, 144);
+  EXPECT_EQ(after(options, {shifted_frame(20), shifted_frame(100)}), 64);
+  options.stereo.sad.num_disparities = 200;
+  EXPECT_EQ(after(options, {shifted_frame(20)}), 200);
+  options.stereo.sad.num_disparities = 64;
+  options.auto_num_disparities = false;
+  EXPECT_EQ(after(options, {shifted_frame(100)}), 64);
+}
+
 TEST(RoverMapper, LooksBehindOnlyIfTheCameraDoes) {
   StereoRig rig = rover_rig();
   EXPECT_EQ(RoverMapper::make(rig, {})->options().local.behind_m, 0.0);
@@ -152,13 +201,72 @@ TEST(RoverMapper, ShrunkImagesGiveTheSameGround) {
   const auto frame = mapper->add(drive()[0]);
   ASSERT_TRUE(frame) << frame.error().message();
   EXPECT_EQ(frame->left.width, 160);
-  int known = 0;
-  for (float h : frame->height->values) {
-    if (std::isnan(h)) continue;
-    ++known;
-    EXPECT_LT(std::abs(h), 0.7F);
+  // Half the pixels: the even ground to 3 cm, and the block where it stands.
+  const Grid<float>& height = *frame->height;
+  int known = 0, high = 0, on_block = 0;
+  double squares = 0.0;
+  for (int y = 0; y < height.geometry.rows; ++y) {
+    for (int x = 0; x < height.geometry.columns; ++x) {
+      const float h = height[{x, y}];
+      const Eigen::Vector2d p = height.geometry.centre({x, y});
+      if (std::isnan(h)) continue;
+      if (p.x() > 1.2 && p.x() < 2.7 && p.y() > -1.0 && p.y() < 1.4) {
+        ++known;
+        squares += h * h;
+      }
+      if (h < 0.35F) continue;
+      ++high;
+      on_block += p.x() > 2.8 && p.x() < 3.8 && p.y() > -1.4 && p.y() < 0.8 ? 1 : 0;
+    }
   }
-  EXPECT_GT(known, 200);
+  EXPECT_GT(known, 15 * 24 * 7 / 10);
+  EXPECT_LT(std::sqrt(squares / known), 0.03);
+  EXPECT_GT(high, 20);
+  EXPECT_GE(on_block, high * 9 / 10);
+}
+
+// Which image the disparities belong to does not move the ground: the block's left side stays where
+// it is, y = 0.6 m. A cloud in the wrong camera's axes is a baseline, 0.2 m, beside it.
+TEST(RoverMapper, SameGroundWithEitherReference) {
+  for (const Reference reference : {Reference::kLeft, Reference::kRight}) {
+    RoverMapOptions options;
+    options.stereo.sad.reference = reference;
+    auto mapper = RoverMapper::make(rover_rig(), options);
+    ASSERT_TRUE(mapper);
+    for (const StereoFrame& frame : drive()) ASSERT_TRUE(mapper->add(frame));
+    const auto mean_height = [&](double y) {
+      double sum = 0.0;
+      int known = 0;
+      for (double x = 3.05; x < 3.5; x += 0.1) {
+        const GroundCell* cell = mapper->ground().find(mapper->ground().cell_at({x, y}));
+        if (cell == nullptr || std::isnan(cell->height_m)) continue;
+        sum += cell->height_m;
+        ++known;
+      }
+      EXPECT_GT(known, 0) << y;
+      return sum / known;
+    };
+    EXPECT_GT(mean_height(0.45), 0.3);
+    EXPECT_LT(mean_height(0.75), 0.2);
+    EXPECT_GT(mean_height(-1.05), 0.3);
+    EXPECT_LT(mean_height(-1.35), 0.2);
+  }
+}
+
+// Without a mount the camera is the body: heights are measured from it.
+TEST(RoverMapper, WithoutMountHeightsCountFromTheCamera) {
+  StereoRig rig = rover_rig();
+  rig.mount.reset();
+  auto mapper = RoverMapper::make(rig, {});
+  ASSERT_TRUE(mapper);
+  const auto frame = mapper->add(drive()[0]);
+  ASSERT_TRUE(frame);
+  const Grid<float>& height = *frame->height;
+  const float ground = height[height.geometry.cell_at({2.05, 0.05})];
+  EXPECT_NEAR(ground, -0.8, 0.03);
+  const GroundCell* cell = mapper->ground().find(mapper->ground().cell_at({2.05, 0.05}));
+  ASSERT_NE(cell, nullptr);
+  EXPECT_NEAR(cell->height_m, 0.0, 0.03);
 }
 
 TEST(RoverMapper, BadFramesAreNamedAndLeaveTheMapsAlone) {
@@ -208,20 +316,33 @@ TEST(RoverMapper, RefusesUnsoundRigsAndOptions) {
   EXPECT_EQ(refused.error().where, "cost.cells_per_side");
 }
 
-// A rig that does not come rectified: the right camera is turned, both have distortion.
+// A rig that does not come rectified: the cameras are turned against each other and not quite side
+// by side. The ground is found where it is, which a wrong rotation of either camera would tilt.
 TEST(RoverMapper, RectifiesWhereNeedBe) {
   StereoRig rig = rover_rig();
   rig.rectified = false;
-  BrownCamera lens;
+  BrownCamera lens;  // no distortion terms: the images stay those of the pinhole
   lens.pinhole = {250.0, 250.0, 159.5, 119.5, 0.0};
-  rig.left = rig.right = lens;  // no distortion terms: the images stay those of the pinhole
+  rig.left = rig.right = lens;
+  rig.T_left_right.linear() = so3_exp({0.04, -0.06, 0.05});
+  rig.T_left_right.translation() = Eigen::Vector3d(0.2, 0.015, -0.02);
   auto mapper = RoverMapper::make(rig, {});
   ASSERT_TRUE(mapper);
-  const auto frame = mapper->add(drive()[0]);
+  const auto frame = mapper->add(frame_at(rig, 0.0));
   ASSERT_TRUE(frame);
+  const Grid<float>& height = *frame->height;
   int known = 0;
-  for (float h : frame->height->values) known += std::isnan(h) ? 0 : 1;
-  EXPECT_GT(known, 300);
+  double squares = 0.0;
+  for (double x = 1.55; x < 2.8; x += 0.1) {
+    for (double y = -0.95; y < 1.4; y += 0.1) {
+      const float h = height[height.geometry.cell_at({x, y})];
+      if (std::isnan(h)) continue;
+      ++known;
+      squares += h * h;
+    }
+  }
+  EXPECT_GT(known, 13 * 24 * 7 / 10);
+  EXPECT_LT(std::sqrt(squares / known), 0.015);
 }
 
 }  // namespace

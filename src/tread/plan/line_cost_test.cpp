@@ -43,6 +43,15 @@ TEST(LineCost, OutsideCostsAsUnexploredGround) {
   EXPECT_NEAR(line_cost(grid, {0.5, 0.5}, {0.5, 1e9}, {}), 1.5 + 5.0 * (1e9 - 2.0), 1e-3);
 }
 
+// As for all cells: the lower edges of the map are on it, the upper ones beyond it.
+TEST(LineCost, AlongTheEdgesOfTheMap) {
+  const Grid<float> grid = filled_grid(4, 3, 1.0F);
+  EXPECT_NEAR(line_cost(grid, {1.0, 0.0}, {3.0, 0.0}, {}), 2.0, 1e-12);
+  EXPECT_NEAR(line_cost(grid, {0.0, 1.0}, {0.0, 3.0}, {}), 2.0, 1e-12);
+  EXPECT_NEAR(line_cost(grid, {1.0, 3.0}, {3.0, 3.0}, {}), 10.0, 1e-12);
+  EXPECT_NEAR(line_cost(grid, {4.0, 1.0}, {4.0, 3.0}, {}), 10.0, 1e-12);
+}
+
 TEST(LineCost, StepBetweenCentresCostsWhatTheSearchCharges) {
   Grid<float> grid = filled_grid(2, 2, 100.0F, 0.3, {-7.0, 1e5});
   grid[{0, 0}] = 3.0F;

@@ -61,6 +61,7 @@ void check_plan(const Grid<float>& grid, const Eigen::Vector2d& start, const Eig
   ASSERT_GE(plan.path.size(), 2U);
   ASSERT_GE(plan.waypoints.size(), 2U);
   for (const Points* points : {&plan.path, &plan.waypoints}) {
+    for (std::size_t i = 1; i < points->size(); ++i) EXPECT_NE((*points)[i - 1], (*points)[i]);
     EXPECT_EQ(points->front(), start);
     EXPECT_EQ(points->back(), goal);
     EXPECT_FALSE(touches_lethal(grid, *points, search));
@@ -113,6 +114,7 @@ TEST(Planner, GoesRoundAWallWithFewWaypoints) {
   const Eigen::Vector2d goal(18.7, 3.1);
   const Plan plan = plan_waypoints(grid, start, goal, {});
   check_plan(grid, start, goal, {}, plan);
+  EXPECT_EQ(plan.expanded, search_grid(grid, {2, 3}, {18, 3}, {}).expanded);
   // Over the end of the wall: by cells beside its corners (10, 15) and (11, 15), or a little off.
   EXPECT_GE(plan.waypoints.size(), 3U);
   EXPECT_LE(plan.waypoints.size(), 6U);
@@ -188,6 +190,28 @@ TEST(Planner, CornersOfTheMap) {
   EXPECT_EQ(plan.path[plan.path.size() - 2], grid.geometry.centre({5, 3}));
   EXPECT_FALSE(plan_waypoints(grid, upper - Eigen::Vector2d(0.1, 0.1), lower, {}).goal_beyond_map);
   EXPECT_EQ(plan_waypoints(grid, upper, lower, {}).status, PlanStatus::kStartOutside);
+}
+
+TEST(Planner, EndsInTheCentresOfCells) {
+  Grid<float> grid = filled_grid(12, 9, 1.0F, 0.5, {-1.0, 4.0});
+  for (int y = 0; y < 6; ++y) grid[{5, y}] = kWall;
+  const GridGeometry& g = grid.geometry;
+  for (const Cell& end : {Cell{1, 0}, Cell{0, 1}, Cell{11, 0}, Cell{11, 8}}) {
+    const Plan plan = plan_waypoints(grid, g.centre({0, 0}), g.centre(end), {});
+    check_plan(grid, g.centre({0, 0}), g.centre(end), {}, plan);
+  }
+}
+
+// Each upper edge for itself: a start there is outside, a goal beyond.
+TEST(Planner, UpperEdgesAreBeyondTheMap) {
+  const Grid<float> grid = filled_grid(6, 4, 1.0F);
+  const Eigen::Vector2d inside(2.5, 2.5);
+  for (const Eigen::Vector2d& edge : {Eigen::Vector2d(6.0, 1.5), Eigen::Vector2d(1.5, 4.0)}) {
+    EXPECT_EQ(plan_waypoints(grid, edge, inside, {}).status, PlanStatus::kStartOutside);
+    const Plan plan = plan_waypoints(grid, inside, edge, {});
+    check_plan(grid, inside, edge, {}, plan);
+    EXPECT_TRUE(plan.goal_beyond_map);
+  }
 }
 
 TEST(Planner, MapOfOneCell) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "stereo_images.hpp"
 
 namespace tread {
@@ -48,6 +50,33 @@ TEST(DisparityRange, IsTimedAsAStageOfItsOwn) {
   ASSERT_EQ(timings.entries().size(), 1U);
   EXPECT_EQ(timings.entries().begin()->first, "stereo/range");
   EXPECT_EQ(timings.entries().begin()->second.calls, 1);
+}
+
+// A pair of one disparity in its first rows, without texture in the others.
+std::pair<Image<std::uint8_t>, Image<std::uint8_t>> pair_of(int disparity_px, int width, int rows) {
+  const testing::Texture texture(5);
+  Image<std::uint8_t> left(width, 160, 90), right(width, 160, 90);
+  for (int y = 0; y < rows; ++y) {
+    for (int x = 0; x < width; ++x) {
+      left(x, y) = static_cast<std::uint8_t>(texture((x - disparity_px) / 5.0, y / 5.0));
+      right(x, y) = static_cast<std::uint8_t>(texture(x / 5.0, y / 5.0));
+    }
+  }
+  return {std::move(left), std::move(right)};
+}
+
+// What is seen, a quarter more, and up to the next 16: 100, 125, 128.
+TEST(DisparityRange, OfOneDisparityIsAQuarterMore) {
+  const auto [left, right] = pair_of(100, 600, 160);
+  EXPECT_EQ(*estimate_num_disparities(left, right, {}), 128);
+}
+
+TEST(DisparityRange, AFewMatchesSayNothing) {
+  const auto [left, right] = pair_of(100, 320, 4);
+  StereoOptions options;
+  options.speckle.enabled = false;
+  options.sad.window_width_px = options.sad.window_height_px = 3;
+  EXPECT_EQ(*estimate_num_disparities(left, right, options), 64);
 }
 
 TEST(DisparityRange, WithoutTextureTheLeastAndNeverWiderThanTheImage) {

@@ -48,6 +48,9 @@ TEST(HoleFilter, MedianOfTheKnownIgnoresTheUnknown) {
   Image<Disparity> three = image({{10, 20, 30}, {X, X, X}, {X, X, X}});
   filter.apply(three, options);
   EXPECT_EQ(three(1, 1), 20);
+  Image<Disparity> even = image({{10, 20, 30}, {40, X, X}, {X, X, X}});
+  filter.apply(even, options);
+  EXPECT_EQ(even(1, 1), 30);
   Image<Disparity> two = image({{10, 20, X}, {X, X, X}, {X, X, X}});
   filter.apply(two, options);
   EXPECT_EQ(two(1, 1), X);
@@ -163,9 +166,12 @@ TEST(SpeckleFilter, EqualsFloodFill) {
       }
     }
     for (int size : {0, 1, 7, 60}) {
-      Image<Disparity> filtered = noisy;
-      filter.apply(filtered, {true, size, 0.7});  // 0.7 px are 44.8 steps: 40 joins, 80 does not
-      EXPECT_TRUE(filtered == speckle_oracle(noisy, size, 45)) << round << " " << size;
+      // 0.7 px are 44.8 steps: 40 joins, 80 does not. 0.625 px are 40: the limit itself joins.
+      for (const auto& [px, steps] : {std::pair(0.7, 45), {0.625, 40}, {0.61, 39}}) {
+        Image<Disparity> filtered = noisy;
+        filter.apply(filtered, {true, size, px});
+        EXPECT_TRUE(filtered == speckle_oracle(noisy, size, steps)) << round << " " << size;
+      }
     }
   }
 }

@@ -18,7 +18,8 @@ struct HoleFilterOptions {
   // so that a ghost can live for ever.
   enum class Previous { kRaw, kFiltered } previous = Previous::kRaw;
   // (b) What the median is taken of: all nine values with "no match" as the largest (a hole is
-  // filled only if five neighbours are known), or the known ones alone.
+  // filled only if five neighbours are known), or the known ones alone (of an even number the upper of the
+  // two in the middle).
   enum class Median { kAll, kKnown } median = Median::kAll;
   int min_known = 5;  // with kKnown: neighbours that must be known
   // (c) Whether filled pixels count as known for the pixels after them in the same pass.

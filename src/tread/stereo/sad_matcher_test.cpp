@@ -190,6 +190,9 @@ TEST(SadMatcher, EqualsTheDefinitionForEveryOption) {
         options.window_height_px = height;
         options.num_disparities = 17;
         cases.push_back(options);
+        options.border = Border::kFullWindow;
+        cases.push_back(options);
+        options.border = Border::kReplicate;
         options.min_disparity_px = 3;
         options.num_disparities = 9;
         options.uniqueness_percent = 15;
@@ -218,15 +221,23 @@ TEST(SadMatcher, EqualsTheDefinitionForEveryOption) {
 }
 
 TEST(SadMatcher, LargeWindowsDoNotOverflow) {
-  // Black against white: the largest sums there can be.
-  const Image<std::uint8_t> black(40, 40, 0), white(40, 40, 255);
+  // A pair of which half the pixels are black in one and white in the other image, for all
+  // disparities but 5: sums to some 120 000 at a window of 31, more than 16 bits hold.
+  const Image<std::uint8_t> noise = random_image(60, 40, 2);
+  Image<std::uint8_t> left(40, 40), right(40, 40);
+  for (int y = 0; y < 40; ++y) {
+    for (int x = 0; x < 40; ++x) {
+      left(x, y) = noise(x, y) < 128 ? 0 : 255;
+      right(x, y) = noise(x + 5, y) < 128 ? 0 : 255;
+    }
+  }
   SadOptions options = unchecked();
   options.num_disparities = 8;
   for (int side : {15, 17, 31}) {
     options.window_width_px = options.window_height_px = side;
-    EXPECT_TRUE(match(black, white, options) == Oracle(black, white, options).match());
-    const Image<std::uint8_t> noise = random_image(40, 40, 2);
-    EXPECT_TRUE(match(noise, white, options) == Oracle(noise, white, options).match()) << side;
+    const Image<Disparity> disparity = match(left, right, options);
+    EXPECT_TRUE(disparity == Oracle(left, right, options).match()) << side;
+    EXPECT_NEAR(disparity_px(disparity(20, 20)), 5.0, 0.05);
   }
 }
 

@@ -189,6 +189,10 @@ TEST(Depth, CloudHasOnePointAPixelInLeftAxesForEitherReference) {
   ASSERT_EQ(cloud.points.size(), 1U);
   EXPECT_TRUE(cloud.colours.empty());
   EXPECT_NEAR(cloud.points[0].x() - x_left, rig->baseline_m, 1e-5);
+  // Colours of another size are nobody's.
+  depth_cloud(depth, *rig, Reference::kLeft, Image<Rgb>(320, 240), cloud);
+  EXPECT_EQ(cloud.points.size(), 1U);
+  EXPECT_TRUE(cloud.colours.empty());
 }
 
 // Whatever the sizes, strides and options: an answer or an error, and nothing read outside the

@@ -3,13 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <random>
+#include <utility>
 
 namespace tread {
 namespace {
-
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 // A map that has measured one derivative everywhere in a square of 12 m around the origin.
 GlobalMap uniform_map(float derivative) {
@@ -85,8 +83,6 @@ TEST(PaperR, SingleLethalCellIsDilutedToOneInAHundredAndFortyFour) {
   }
   costs.update(map, map.take_changes());
   EXPECT_NEAR(costs.at({0, 0}), 1.0 + 8 * 99.0 / 144.0, 1e-5);  // 6.5
-  // With the default knots a post of 30 cm and more stays far above unexplored ground.
-  EXPECT_GT(costs_of(map = uniform_map(0.0F)).at({0, 0}), 0.0);
 }
 
 TEST(PaperR, PostStaysDearWithTheDefaultKnots) {
@@ -208,8 +204,39 @@ TEST(CostMap, ObstacleListsAreMergedAsMaximumAndTakenBack) {
   EXPECT_GT(costs.grid().geometry.columns, 130);
 }
 
+// A disc touches the cells that a point of it lies in: the corner (0.3, 0.3) of cell (1, 1) is
+// 0.2121 m from the disc's centre.
+TEST(CostMap, DiscsCountInTheCellsThatTheyTouch) {
+  for (const auto& [radius_m, touches] : {std::pair(0.205, false), {0.211, false}, {0.213, true}}) {
+    CostMap costs;
+    ASSERT_TRUE(costs.set_obstacles(ObstacleList::kBump, {{{0.15, 0.15}, radius_m, 70.0}}));
+    EXPECT_EQ(costs.at({0, 0}), 70.0F);
+    EXPECT_EQ(costs.at({1, 0}), 70.0F);
+    EXPECT_EQ(costs.at({0, -1}), 70.0F);
+    EXPECT_EQ(costs.at({1, 1}) == 70.0F, touches) << radius_m;
+    EXPECT_EQ(costs.at({-1, -1}) == 70.0F, touches) << radius_m;
+  }
+}
+
+// Where the robot stands, known or not.
+TEST(CostMap, ReachMakesThePlacePartOfTheGrid) {
+  GlobalMap map = uniform_map(0.0F);
+  CostMap costs = costs_of(map);
+  const Eigen::Vector2d place(-20.0, 31.0);
+  EXPECT_FALSE(costs.grid().geometry.contains(costs.grid().geometry.cell_at(place)));
+  costs.reach(place);
+  const Grid<float> grid = costs.grid();
+  const Cell cell = grid.geometry.cell_at(place);
+  ASSERT_TRUE(grid.geometry.contains(cell));
+  EXPECT_TRUE(std::isnan(grid[cell]));
+}
+
 TEST(CostMap, RefusesDiscsThatCannotBe) {
   CostMap costs;
+  EXPECT_FALSE(costs.set_obstacles(ObstacleList::kBump, {{{0.0, 0.0}, 100.1, 1.0}}));
+  EXPECT_FALSE(costs.set_obstacles(ObstacleList::kBump, {{{0.0, 0.0}, -0.1, 1.0}}));
+  EXPECT_FALSE(costs.set_obstacles(ObstacleList::kBump, {{{0.0, 0.0}, 0.5, -1.0}}));
+  EXPECT_FALSE(costs.set_obstacles(ObstacleList::kBump, {{{0.0, -2e7}, 0.5, 1.0}}));
   EXPECT_FALSE(costs.set_obstacles(ObstacleList::kBump, {{{std::nan(""), 0.0}, 0.5, 1.0}}));
   EXPECT_FALSE(costs.set_obstacles(ObstacleList::kBump, {{{0.0, 0.0}, 1e9, 1.0}}));
   EXPECT_FALSE(costs.set_obstacles(ObstacleList::kBump, {{{0.0, 0.0}, 0.5, std::nan("")}}));
@@ -217,14 +244,31 @@ TEST(CostMap, RefusesDiscsThatCannotBe) {
   EXPECT_EQ(costs.grid().values.size(), 0U);
 }
 
-TEST(CostMap, LayerSaysWhatUnexploredCosts) {
-  GlobalMap map = uniform_map(0.0F);
-  const CostMap costs = costs_of(map);
+TEST(CostMap, LayerHasTheCostsAndSaysWhatUnexploredCosts) {
+  GlobalMap map = uniform_map(0.10F);
+  CostOptions options;
+  options.unexplored_cost = 7.5;
+  options.window_m = 0.9;
+  const CostMap costs = costs_of(map, options);
   MapLayers layers = map.layers();
   costs.add_layer(layers);
-  ASSERT_NE(layers.find("cost"), nullptr);
-  EXPECT_EQ(layers.numbers.at("unexplored_cost"), 5.0);
-  EXPECT_FALSE(std::isnan(kNan) && layers.find("cost")->grid.values.empty());
+  EXPECT_EQ(layers.numbers.at("unexplored_cost"), 7.5);
+  EXPECT_EQ(layers.numbers.at("cost_window_m"), 0.9);
+  const MapLayer* layer = layers.find("cost");
+  ASSERT_NE(layer, nullptr);
+  const Grid<float>& grid = layer->grid;
+  ASSERT_EQ(grid.geometry, costs.grid().geometry);
+  int known = 0;
+  for (int y = 0; y < grid.geometry.rows; ++y) {
+    for (int x = 0; x < grid.geometry.columns; ++x) {
+      const Eigen::Vector2d p = grid.geometry.centre({x, y});
+      const float cost = costs.at(GridGeometry{0.3, {0.0, 0.0}, 0, 0}.cell_at(p));
+      const float written = grid[{x, y}];
+      EXPECT_TRUE(written == cost || (std::isnan(cost) && std::isnan(written)));
+      known += std::isnan(cost) ? 0 : 1;
+    }
+  }
+  EXPECT_EQ(known, 42 * 42);  // 12 m and the one cell on either side whose window reaches in
 }
 
 TEST(CostMap, PlacesAndDiscsThatWouldMakeTheGridTooLargeAreLeftOut) {

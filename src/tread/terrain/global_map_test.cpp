@@ -102,6 +102,21 @@ TEST(GlobalMap, TurnsAndShiftsWithoutGaps) {
   }
 }
 
+// Every world cell whose centre lies below the local map is taken in, the outermost too, on either
+// side of the origin.
+TEST(GlobalMap, TakesInExactlyTheCellsWithTheirCentreInside) {
+  const Local local = uniform(0.0F, 1.0F);
+  for (double sign : {1.0, -1.0}) {
+    GlobalMap map;
+    // x from +-33.08 to 6 m further, y from +-47.08 - 6 to +-47.08 + 6.
+    const Vector3d place(sign * 33.08, sign * 47.08, 0.0);
+    ASSERT_TRUE(map.integrate(local.height, local.derivative, {place, 0.0}, {}));
+    const double low = place.x() / 0.1 - 0.5, left = place.y() / 0.1 - 60.5;
+    const Cell first{static_cast<int>(std::ceil(low)), static_cast<int>(std::ceil(left))};
+    EXPECT_EQ(map.bounds(), (CellRect{first, {first.x + 60, first.y + 120}})) << sign;
+  }
+}
+
 TEST(GlobalMap, UnknownLocalCellsChangeNothing) {
   GlobalMap map;
   ASSERT_TRUE(map.integrate(uniform(1, 1).height, uniform(1, 1).derivative, {}, {}));
@@ -138,6 +153,7 @@ TEST(GlobalMap, RefusesWildPosesAndForeignGrids) {
   const double nan = std::nan("");
   EXPECT_FALSE(map.integrate(local.height, local.derivative, {{nan, 0, 0}, 0}, {}));
   EXPECT_FALSE(map.integrate(local.height, local.derivative, {{1e300, 0, 0}, 0}, {}));
+  EXPECT_FALSE(map.integrate(local.height, local.derivative, {{0, -1e10, 0}, 0}, {}));
   EXPECT_FALSE(map.integrate(local.height, local.derivative, {{0, 0, 0}, nan}, {}));
   EXPECT_FALSE(map.integrate(local.height, Grid<float>(GridGeometry{0.1, {0, 0}, 2, 2}), {}, {}));
   const Grid<float> fine(GridGeometry{0.05, {0, 0}, 2, 2}, 0.0F);
@@ -145,6 +161,15 @@ TEST(GlobalMap, RefusesWildPosesAndForeignGrids) {
   EXPECT_TRUE(map.bounds().empty());
   // Far away is fine.
   EXPECT_TRUE(map.integrate(local.height, local.derivative, {{5e6, -5e6, 0}, 1.0}, {}));
+}
+
+// A place looked at all day long stays explored: its count stops at the largest number.
+TEST(GlobalMap, TheCountOfMeasurementsStopsAtItsLargest) {
+  GlobalMap map;
+  const Grid<float> one(GridGeometry{0.1, {0.0, 0.0}, 1, 1}, 1.0F);
+  for (int i = 0; i < 65536; ++i) ASSERT_TRUE(map.integrate(one, one, {}, {}));
+  EXPECT_TRUE(ground(map, 0.05, 0.05).explored());
+  EXPECT_EQ(ground(map, 0.05, 0.05).measurements, 65535);
 }
 
 TEST(GlobalMap, LayersRoundTrip) {
@@ -172,11 +197,36 @@ TEST(GlobalMap, LayersRoundTrip) {
       EXPECT_EQ(a->derivative, b->derivative);
     }
   }
+  // Known ground without derivative is 0 in "explored", and NaN only in "derivative".
+  int unexplored = 0;
+  for (std::size_t i = 0; i < layers.layers[0].grid.values.size(); ++i) {
+    const float explored = layers.find("explored")->grid.values[i];
+    EXPECT_EQ(explored, std::isnan(layers.find("derivative")->grid.values[i]) ? 0.0F : 1.0F);
+    unexplored += !std::isnan(layers.find("height")->grid.values[i]) && explored == 0.0F ? 1 : 0;
+  }
+  EXPECT_GT(unexplored, 0);
   MapLayers poorer = layers;
   poorer.layers.erase(poorer.layers.begin());
   const auto missing = GlobalMap::from_layers(poorer);
   ASSERT_FALSE(missing);
   EXPECT_NE(missing.error().message().find("'height'"), std::string::npos);
+  MapLayers shifted = layers;
+  shifted.layers[1].grid.geometry.origin.x() += 0.1;
+  const auto unequal = GlobalMap::from_layers(shifted);
+  ASSERT_FALSE(unequal);
+  EXPECT_EQ(unequal.error().code, ErrorCode::kBadFormat);
+}
+
+// Origins of cells are no whole numbers of tenths: rounding finds the cell again.
+TEST(GlobalMap, LayersRoundTripAtEveryPlace) {
+  const Grid<float> one(GridGeometry{0.1, {0.0, 0.0}, 1, 1}, 1.0F);
+  for (int i = -60; i <= 60; ++i) {
+    GlobalMap map;
+    ASSERT_TRUE(map.integrate(one, one, {{0.1 * i + 0.01, -0.1 * i + 0.01, 0.0}, 0.0}, {}));
+    const auto back = GlobalMap::from_layers(map.layers());
+    ASSERT_TRUE(back);
+    EXPECT_EQ(back->bounds(), map.bounds()) << i;
+  }
 }
 
 // METHODS 10.3: with +-1 degree of pitch error a frame, heights at 6 m shift by 10 cm. Stereo sees

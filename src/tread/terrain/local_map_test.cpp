@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tread/geometry/pose.hpp"
+#include "tread/geometry/stereo_rig.hpp"
 
 namespace tread {
 namespace {
@@ -55,6 +56,33 @@ TEST(LocalMap, SizeIsTheRangeOfPaperR) {
   EXPECT_EQ(heights({}, options).geometry.columns, 120);
 }
 
+// "a model of at least 2 m^2" of cells of 5 mm is 80 000 cells. Paper Q's camera, 1 m above the
+// ground and looking straight down, fills them from one image of 640 x 480: 1.92 x 1.44 m.
+TEST(PaperQ, TwoSquareMetresAre80000CellsOfFiveMillimetres) {
+  LocalMapOptions options;
+  options.resolution_m = 0.005;
+  options.range_m = 1.0;
+  const GridGeometry half = heights({}, options).geometry;  // 1 m ahead, 2 m across
+  EXPECT_EQ(half.columns * half.rows, 80000);
+
+  const RectifiedRig rig = rectified_rig(bumblebee2(640)).value();
+  std::vector<Vector3f> points;
+  for (int v = 0; v < rig.size.height; ++v) {
+    for (int u = 0; u < rig.size.width; ++u) points.push_back(rig.point(u, v, 1.0).cast<float>());
+  }
+  options.behind_m = 1.0;
+  options.min_points = 1;
+  const CameraMount mount = level_mount(1.0, 90.0 * kDegree, false);
+  int known = 0;
+  for (float height : heights(points, options, mount.T_body_left).values) {
+    if (std::isnan(height)) continue;
+    ++known;
+    EXPECT_NEAR(height, 0.0, 1e-5);
+  }
+  EXPECT_GE(known, 80000);
+  EXPECT_NEAR(known, 1.92 * 1.44 / (0.005 * 0.005), 400.0);  // a cell more or less at the borders
+}
+
 TEST(LocalMap, CellsAreMeanOrMaximumOfEnoughPoints) {
   const std::vector<Vector3f> points = {
       {1.01F, 0.01F, 0.1F}, {1.02F, 0.02F, 0.3F}, {1.03F, 0.03F, 0.5F}, {2.01F, 0.01F, 0.7F}};
@@ -67,6 +95,10 @@ TEST(LocalMap, CellsAreMeanOrMaximumOfEnoughPoints) {
   map = heights(points, options);
   EXPECT_NEAR(map[map.geometry.cell_at({1.05, 0.05})], 0.5, 1e-6);
   EXPECT_NEAR(map[map.geometry.cell_at({2.05, 0.05})], 0.7, 1e-6);
+  // Also below the robot's ground.
+  const std::vector<Vector3f> ditch = {{1.01F, 0.01F, -0.6F}, {1.02F, 0.02F, -0.4F}};
+  map = heights(ditch, options);
+  EXPECT_NEAR(map[map.geometry.cell_at({1.05, 0.05})], -0.4, 1e-6);
 }
 
 TEST(LocalMap, LeavesOutWhatIsNotFiniteTooHighOrOutside) {
