@@ -80,7 +80,7 @@ TEST(TreadOptions, PrintedConfigurationsAreReadBackAndPrintedAgain) {
       {"map",
        {"", " --set cost.knots='0.0400000001:1 2:1e3' --set depth.max_depth_m=5",
         " --set plan.unexplored_cost=7 --set stereo.sad.num_disparities=99"}},
-      {"plan", {"", " --set lethal_cost=0.1", " " + (out / "m").string()}}};
+      {"plan", {"", " --set lethal_cost=6.1", " " + (out / "m").string()}}};
   for (const auto& [command, settings] : cases) {
     for (const std::string& setting : settings) {
       const Ran first = tread(command + " --print-config" + setting);
@@ -100,7 +100,8 @@ TEST(TreadOptions, PrintedConfigurationsAreReadBackAndPrintedAgain) {
 
 TEST(TreadOptions, AGroupIsNamedAsOne) {
   expect_refused("map x --set stereo.sad=3", {"stereo.sad", "group", "stereo.sad.reference"});
-  expect_refused("map x --set zzzzzzzzzzzzzzzzzz=3", {"Known are: stereo.(...), shrink"});
+  expect_refused("map x --set zzzzzzzzzzzzzzzzzz=3",
+                 {"Known are: pose.(...), stereo.(...), shrink"});
 }
 
 }  // namespace
