@@ -104,5 +104,28 @@ TEST(TreadOptions, AGroupIsNamedAsOne) {
                  {"Known are: pose.(...), stereo.(...), shrink"});
 }
 
+TEST(TreadOptions, TheMethodIsChosenByItsName) {
+  const auto density = [](const std::string& arguments) {
+    const Ran ran = tread("depth " + pair_arguments() + " --json" + arguments);
+    EXPECT_EQ(ran.status, 0) << arguments << ran.err;
+    return ran.status == 0 ? ran.json()["density"].get<double>() : -1.0;
+  };
+  const double sad = density(""), sgm = density(" --method sgm");
+  EXPECT_EQ(density(" --method sad"), sad);
+  EXPECT_EQ(density(" --set stereo.method=sgm"), sgm);
+  EXPECT_NE(sgm, sad);
+  EXPECT_GT(sgm, 0.3);
+  EXPECT_EQ(tread("map " + drive().string() + " --method sgm").status, 0);
+  for (const std::string command : {"depth", "map"}) {
+    EXPECT_NE(tread(command + " --print-config --method sgm").out.find("method: sgm "),
+              std::string::npos);
+    expect_refused(command + " a b --method sgbm", {"--method", "sgbm", "sad", "sgm"}, 2);
+    expect_refused(command + " --print-config --method sad --set stereo.method=sgm",
+                   {"--method", "stereo.method=sgm"});
+  }
+  expect_refused("depth --print-config --profile paper-q --method sgm",
+                 {"stereo.method", "sad.reference"});
+}
+
 }  // namespace
 }  // namespace tread
