@@ -41,7 +41,32 @@ void add_setting_options(CLI::App& command, CommonOptions& common) {
       ->trigger_on_parse();
 }
 
-Status apply_settings(const CommonOptions& common, OptionSet& options) {
+void add_method_option(CLI::App& command, CommonOptions& common) {
+  command
+      .add_option("--method", common.method,
+                  "How pixels are matched: sad (block matching, the fastest; the default) or sgm "
+                  "(semi-global matching: more pixels where texture is poor, about three times the "
+                  "time). Short for --set stereo.method=NAME")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"sad", "sgm"}).description(""));
+}
+
+namespace {
+
+Status apply_shorthand(const CommonOptions& common, const Shorthand& shorthand,
+                       OptionSet& options) {
+  for (const std::string& other : common.settings) {
+    if (!other.starts_with(shorthand.name + "=")) continue;
+    return fail(ErrorCode::kBadArgument, "it is also given by --set " + other, shorthand.option,
+                "Give one of them");
+  }
+  return options.set(shorthand.name, shorthand.value);
+}
+
+}  // namespace
+
+Status apply_settings(const CommonOptions& common, OptionSet& options,
+                      std::vector<Shorthand> shorthands) {
   if (!common.config.empty()) {
     if (Status done = read_options(common.config, options); !done) return done;
   }
@@ -55,6 +80,10 @@ Status apply_settings(const CommonOptions& common, OptionSet& options) {
       done.error().where = "--set " + done.error().where;
       return done;
     }
+  }
+  if (common.method) shorthands.push_back({"--method", "stereo.method", *common.method});
+  for (const Shorthand& shorthand : shorthands) {
+    if (Status done = apply_shorthand(common, shorthand, options); !done) return done;
   }
   options.settle();
   return options.check();

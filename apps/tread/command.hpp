@@ -29,15 +29,26 @@ struct CommonOptions {
   std::string config;                 // --config
   std::vector<std::string> settings;  // --set name=value
   bool print_config = false;          // --print-config
+  std::optional<std::string> method;  // --method
 };
 // -o, --json, --threads; with settings also --config, --set and --print-config, beside which
 // nothing else is required.
 void add_common_options(CLI::App& command, CommonOptions& common);
 void add_setting_options(CLI::App& command, CommonOptions& common);
+// --method, for the commands that match images.
+void add_method_option(CLI::App& command, CommonOptions& common);
 
-// Reads --config and then --set into the described options, and checks them. Afterwards
-// options.given() tells what the user gave.
-[[nodiscard]] Status apply_settings(const CommonOptions& common, OptionSet& options);
+// An option of its own for what --set could give: --method sgm for --set stereo.method=sgm.
+struct Shorthand {
+  std::string option;  // "--method"
+  std::string name;    // "stereo.method"
+  std::string value;
+};
+
+// Reads --config and then --set, --method and the shorthands into the described options, and checks
+// them. Afterwards options.given() tells what the user gave.
+[[nodiscard]] Status apply_settings(const CommonOptions& common, OptionSet& options,
+                                    std::vector<Shorthand> shorthands = {});
 // What --print-config prints: a file for --config that gives these options again.
 void print_config(const std::string& command, const OptionSet& options);
 

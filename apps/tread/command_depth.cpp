@@ -91,17 +91,12 @@ OptionSet profile_settings(const DepthArguments& arguments, DepthSettings& setti
 }
 
 Status choose_settings(const DepthArguments& arguments, OptionSet& options) {
-  if (Status applied = apply_settings(arguments.common, options); !applied) return applied;
-  if (!arguments.num_disparities) return {};
-  const std::string setting = std::string(kNumDisparities) + "=";
-  for (const std::string& other : arguments.common.settings) {
-    if (!other.starts_with(setting)) continue;
-    return fail(ErrorCode::kBadArgument, "it is also given by --set " + other, "--num-disparities",
-                "Give one of them");
+  std::vector<Shorthand> shorthands;
+  if (arguments.num_disparities) {
+    shorthands.push_back(
+        {"--num-disparities", kNumDisparities, std::to_string(*arguments.num_disparities)});
   }
-  Status set = options.set(kNumDisparities, std::to_string(*arguments.num_disparities));
-  if (set) options.settle();
-  return set;
+  return apply_settings(arguments.common, options, std::move(shorthands));
 }
 
 void shrink_images(DepthRun& run) {
@@ -195,11 +190,7 @@ void add_depth_command(CLI::App& app, int& status, const std::string& command_li
                    "or ROS, or a known name (bumblebee2-640, bumblebee2-1024). Without it: "
                    "disparity only, and the images must be rectified")
       ->type_name("RIG");
-  command
-      ->add_option("--method", arguments->method, "Matcher; sad (block matching) is the only one")
-      ->type_name("NAME")
-      ->check(CLI::IsMember({"sad"}).description(""))
-      ->capture_default_str();
+  add_method_option(*command, arguments->common);
   command
       ->add_option("--num-disparities", arguments->num_disparities,
                    "How many disparities to search, px; found from the images if not given")

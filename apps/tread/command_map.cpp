@@ -317,6 +317,7 @@ void add_map_command(CLI::App& app, int& status, const std::string& command_line
       ->expected(2);
   command->add_flag("--features", arguments->features,
                     "Also layers slope, step, roughness and traversability (1 good, 0 bad)");
+  add_method_option(*command, arguments->common);
   add_common_options(*command, arguments->common);
   add_setting_options(*command, arguments->common);
   command->footer(

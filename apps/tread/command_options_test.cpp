@@ -80,7 +80,7 @@ TEST(TreadOptions, PrintedConfigurationsAreReadBackAndPrintedAgain) {
       {"map",
        {"", " --set cost.knots='0.0400000001:1 2:1e3' --set depth.max_depth_m=5",
         " --set plan.unexplored_cost=7 --set stereo.sad.num_disparities=99"}},
-      {"plan", {"", " --set lethal_cost=0.1", " " + (out / "m").string()}}};
+      {"plan", {"", " --set lethal_cost=6.1", " " + (out / "m").string()}}};
   for (const auto& [command, settings] : cases) {
     for (const std::string& setting : settings) {
       const Ran first = tread(command + " --print-config" + setting);
@@ -100,7 +100,31 @@ TEST(TreadOptions, PrintedConfigurationsAreReadBackAndPrintedAgain) {
 
 TEST(TreadOptions, AGroupIsNamedAsOne) {
   expect_refused("map x --set stereo.sad=3", {"stereo.sad", "group", "stereo.sad.reference"});
-  expect_refused("map x --set zzzzzzzzzzzzzzzzzz=3", {"Known are: stereo.(...), shrink"});
+  expect_refused("map x --set zzzzzzzzzzzzzzzzzz=3",
+                 {"Known are: pose.(...), stereo.(...), shrink"});
+}
+
+TEST(TreadOptions, TheMethodIsChosenByItsName) {
+  const auto density = [](const std::string& arguments) {
+    const Ran ran = tread("depth " + pair_arguments() + " --json" + arguments);
+    EXPECT_EQ(ran.status, 0) << arguments << ran.err;
+    return ran.status == 0 ? ran.json()["density"].get<double>() : -1.0;
+  };
+  const double sad = density(""), sgm = density(" --method sgm");
+  EXPECT_EQ(density(" --method sad"), sad);
+  EXPECT_EQ(density(" --set stereo.method=sgm"), sgm);
+  EXPECT_NE(sgm, sad);
+  EXPECT_GT(sgm, 0.3);
+  EXPECT_EQ(tread("map " + drive().string() + " --method sgm").status, 0);
+  for (const std::string command : {"depth", "map"}) {
+    EXPECT_NE(tread(command + " --print-config --method sgm").out.find("method: sgm "),
+              std::string::npos);
+    expect_refused(command + " a b --method sgbm", {"--method", "sgbm", "sad", "sgm"}, 2);
+    expect_refused(command + " --print-config --method sad --set stereo.method=sgm",
+                   {"--method", "stereo.method=sgm"});
+  }
+  expect_refused("depth --print-config --profile paper-q --method sgm",
+                 {"stereo.method", "sad.reference"});
 }
 
 }  // namespace

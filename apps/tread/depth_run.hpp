@@ -19,7 +19,7 @@ struct DepthSettings {
 };
 
 struct DepthArguments {
-  std::string left, right, rig, profile = "general", method = "sad", command_line;
+  std::string left, right, rig, profile = "general", command_line;
   std::optional<int> num_disparities;
   CommonOptions common;
 };
