@@ -79,7 +79,10 @@ TEST_P(StereoAllocations, NoneAfterTheFirstFrame) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, StereoAllocations,
-                         ::testing::Values(StereoMethod::kSad, StereoMethod::kSgm));
+                         ::testing::Values(StereoMethod::kSad, StereoMethod::kSgm),
+                         [](const auto& method) {
+                           return method.param == StereoMethod::kSad ? "Sad" : "Sgm";
+                         });
 
 }  // namespace
 }  // namespace tread

@@ -223,8 +223,6 @@ TEST(RoverMapperOptions, ContradictionsAreRefusedWithAllTheirNames) {
   EXPECT_EQ(refused({{"depth.min_depth_m", "7"}}), "depth.min_depth_m, depth.max_depth_m");
   EXPECT_EQ(refused({{"depth.min_depth_m", "6"}}), "depth.min_depth_m, depth.max_depth_m");
   EXPECT_EQ(refused({{"local.min_height_m", "3"}}), "local.min_height_m, local.max_height_m");
-  EXPECT_EQ(refused({{"local.resolution_m", "0.001"}, {"local.range_m", "1000"}}),
-            "local.resolution_m, local.range_m, local.behind_m");
   EXPECT_EQ(refused({{"depth.max_depth_m", "5000"}}), "depth.max_depth_m, local.resolution_m");
   EXPECT_EQ(refused({{"cost.window_m", "0.2"}}),
             "cost.window_m, cost.cells_per_side, local.resolution_m");

@@ -201,7 +201,7 @@ void expect_sgm_equal_to_plain(const SgmCase& c) {
     matcher.match(left.view(), right.view(), left_edges, right_edges, c.options, found, context);
     return found;
   };
-  hwy::SetSupportedTargetsForTest(HWY_SCALAR);  // the plain form
+  hwy::SetSupportedTargetsForTest(HWY_STATIC_TARGET);  // the plain form
   const Image<Disparity> expected = match(1);
   on_every_target([&] {
     ASSERT_TRUE(match(1) == expected)

@@ -14,7 +14,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace tread::HWY_NAMESPACE {
 namespace {
-#if HWY_TARGET != HWY_SCALAR
+#if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -43,7 +43,7 @@ HWY_INLINE Bytes narrow(Words lower, Words upper) {
   return Bytes{_mm512_packus_epi16(lower.raw, upper.raw)};
 #elif HWY_TARGET == HWY_AVX2
   return Bytes{_mm256_packus_epi16(lower.raw, upper.raw)};
-#elif HWY_ARCH_X86
+#elif HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_SSSE3
   return Bytes{_mm_packus_epi16(lower.raw, upper.raw)};
 #else
   const hn::Half<U8> half;

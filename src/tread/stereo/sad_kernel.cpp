@@ -20,7 +20,8 @@ HWY_BEFORE_NAMESPACE();
 namespace tread::HWY_NAMESPACE {
 namespace {
 
-#if HWY_TARGET == HWY_SCALAR  // nothing to vectorise with: a machine older than SSE4
+#if HWY_TARGET == HWY_SCALAR || \
+    HWY_TARGET == HWY_EMU128  // nothing to vectorise with: a machine older than SSE4
 void match_rows_here(const SadImages& images, const SadOptions& options, int first, int last,
                      Image<std::uint8_t>& /*memory*/, Image<Disparity>& disparity) {
   match_rows_plain(images, options, first, last, disparity);

@@ -20,7 +20,7 @@ HWY_BEFORE_NAMESPACE();
 namespace tread::HWY_NAMESPACE {
 namespace {
 
-#if HWY_TARGET == HWY_SCALAR  // SgmMatcher uses the plain form there
+#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128  // SgmMatcher uses the plain form there
 int padded_range(int) {
   return 0;
 }

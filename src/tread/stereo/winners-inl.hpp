@@ -16,7 +16,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace tread::HWY_NAMESPACE {
 namespace {
-#if HWY_TARGET != HWY_SCALAR
+#if HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
 
 // What the columns of one row leave for its second pass.
 struct PixelResult {

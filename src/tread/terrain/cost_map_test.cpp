@@ -236,7 +236,7 @@ TEST(CostMap, RefusesDiscsThatCannotBe) {
   EXPECT_FALSE(costs.set_obstacles(ObstacleList::kBump, {{{0.0, 0.0}, 100.1, 1.0}}));
   EXPECT_FALSE(costs.set_obstacles(ObstacleList::kBump, {{{0.0, 0.0}, -0.1, 1.0}}));
   EXPECT_FALSE(costs.set_obstacles(ObstacleList::kBump, {{{0.0, 0.0}, 0.5, -1.0}}));
-  EXPECT_FALSE(costs.set_obstacles(ObstacleList::kBump, {{{0.0, -2e7}, 0.5, 1.0}}));
+  EXPECT_FALSE(costs.set_obstacles(ObstacleList::kBump, {{{0.0, -2e12}, 0.5, 1.0}}));
   EXPECT_FALSE(costs.set_obstacles(ObstacleList::kBump, {{{std::nan(""), 0.0}, 0.5, 1.0}}));
   EXPECT_FALSE(costs.set_obstacles(ObstacleList::kBump, {{{0.0, 0.0}, 1e9, 1.0}}));
   EXPECT_FALSE(costs.set_obstacles(ObstacleList::kBump, {{{0.0, 0.0}, 0.5, std::nan("")}}));
