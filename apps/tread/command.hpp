@@ -1,7 +1,6 @@
 // What the commands share: common options, errors, progress on a terminal, settings.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <chrono>
 #include <exception>
@@ -19,6 +18,10 @@
 #include "tread/core/timer.hpp"
 #include "tread/io/atomic_file.hpp"
 #include "tread/plan/planner.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace tread {
 

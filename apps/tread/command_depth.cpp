@@ -1,6 +1,7 @@
 // tread depth: a pair of images to disparity, depth and a point cloud.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <limits>
 

@@ -1,6 +1,7 @@
 // tread info: what a file or folder is, and what is in it.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cmath>

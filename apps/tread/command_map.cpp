@@ -1,6 +1,7 @@
 // tread map: a drive of stereo frames with poses to the maps of the ground, and the way to a goal.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <array>
 #include <cmath>
 

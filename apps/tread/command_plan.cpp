@@ -1,6 +1,8 @@
 // tread plan: waypoints on a map that was saved before.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
+
 #include "command.hpp"
 #include "tread/io/atomic_file.hpp"
 #include "tread/io/image_file.hpp"

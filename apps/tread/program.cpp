@@ -1,6 +1,7 @@
 // Parsing of the command line, and what is said where it is wrong.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
 
