@@ -69,36 +69,52 @@ void gradient_row_here(const std::uint8_t* above, const std::uint8_t* here,
 }
 
 template <class V>
-HWY_INLINE V middle_of(V a, V b, V c) {
-  return hn::Max(hn::Min(a, b), hn::Min(hn::Max(a, b), c));
+HWY_INLINE void sort_two(V& a, V& b) {
+  const V less = hn::Min(a, b);
+  b = hn::Max(a, b);
+  a = less;
 }
 
-// The median of the nine values around `here`: the largest of the columns' smallest, the middle of
-// their middles and the smallest of their largest hold it in their midst.
+// The median of the 3x3 neighbourhood of a hole, whose eight neighbours are sorted by Batcher's
+// network; the unknown ones, being the largest, come last.
 template <class D>
-HWY_INLINE hn::Vec<D> median_of_nine(D d, const Disparity* above, const Disparity* here,
-                                     const Disparity* below) {
-  hn::Vec<D> low[3], mid[3], high[3];
-  for (int i = 0; i < 3; ++i) {
-    const auto a = hn::LoadU(d, above + i - 1);
-    const auto b = hn::LoadU(d, here + i - 1);
-    const auto c = hn::LoadU(d, below + i - 1);
-    const auto less = hn::Min(a, b), more = hn::Max(a, b);
-    low[i] = hn::Min(less, c);
-    mid[i] = hn::Max(less, hn::Min(more, c));
-    high[i] = hn::Max(more, c);
+HWY_INLINE hn::Vec<D> median_at(D d, const Disparity* above, const Disparity* here,
+                                const Disparity* below, const MedianRule& rule) {
+  const auto hole = hn::Set(d, kNoMatch);
+  hn::Vec<D> v[8] = {hn::LoadU(d, above - 1), hn::LoadU(d, above),    hn::LoadU(d, above + 1),
+                     hn::LoadU(d, here - 1),  hn::LoadU(d, here + 1), hn::LoadU(d, below - 1),
+                     hn::LoadU(d, below),     hn::LoadU(d, below + 1)};
+  constexpr int kNetwork[19][2] = {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3}, {4, 6},
+                                   {5, 7}, {1, 2}, {5, 6}, {0, 4}, {1, 5}, {2, 6}, {3, 7},
+                                   {2, 4}, {3, 5}, {1, 2}, {3, 4}, {5, 6}};
+  for (const auto& [a, b] : kNetwork) sort_two(v[a], v[b]);
+  // Of n known ones number n / 2.
+  auto median = v[4];
+  auto last = v[0];
+  if (!rule.of_all) {
+    median = v[0];
+    for (int n = 2; n <= 8; n += 2) {
+      median = hn::IfThenElse(hn::Eq(v[n - 1], hole), median, v[n / 2]);
+    }
   }
-  return middle_of(hn::Max(low[0], hn::Max(low[1], low[2])), middle_of(mid[0], mid[1], mid[2]),
-                   hn::Min(high[0], hn::Min(high[1], high[2])));
+  for (int n = 1; n < 8; ++n) last = hn::IfThenElse(hn::Eq(v[n], hole), last, v[n]);
+  const auto spread = hn::Sub(last, v[0]);
+  const auto most = hn::Set(d, static_cast<Disparity>(rule.max_spread));
+  median = hn::IfThenElse(hn::Eq(v[rule.min_known - 1], hole), hole, median);
+  return hn::IfThenElse(hn::Eq(hn::Min(spread, most), spread), median, hole);
 }
 
 template <class D>
 HWY_INLINE void fill_at(D d, int x, const Disparity* above, const Disparity* here,
                         const Disparity* below, const Disparity* previous, bool spatial,
-                        Disparity* out) {
+                        const MedianRule& rule, Disparity* out) {
   const auto hole = hn::Set(d, kNoMatch);
   const auto now = hn::LoadU(d, here + x);
-  auto filled = spatial ? median_of_nine(d, above + x, here + x, below + x) : hole;
+  if (hn::AllFalse(d, hn::Eq(now, hole))) {
+    hn::StoreU(now, d, out + x);
+    return;
+  }
+  auto filled = spatial ? median_at(d, above + x, here + x, below + x, rule) : hole;
   if (previous != nullptr) {
     const auto before = hn::LoadU(d, previous + x);
     filled = hn::IfThenElse(hn::Eq(before, hole), filled, before);
@@ -107,15 +123,16 @@ HWY_INLINE void fill_at(D d, int x, const Disparity* above, const Disparity* her
 }
 
 void fill_row_here(const Disparity* above, const Disparity* here, const Disparity* below, int width,
-                   const Disparity* previous, bool spatial, Disparity* out) {
+                   const Disparity* previous, bool spatial, const MedianRule& rule,
+                   Disparity* out) {
   const U16 u16;
   const int lanes = static_cast<int>(hn::Lanes(u16));
   int x = 0;
   for (; x + lanes <= width; x += lanes) {
-    fill_at(u16, x, above, here, below, previous, spatial, out);
+    fill_at(u16, x, above, here, below, previous, spatial, rule, out);
   }
   for (; x < width; ++x) {
-    fill_at(hn::CappedTag<std::uint16_t, 1>(), x, above, here, below, previous, spatial, out);
+    fill_at(hn::CappedTag<std::uint16_t, 1>(), x, above, here, below, previous, spatial, rule, out);
   }
 }
 
@@ -187,8 +204,8 @@ void gradient_row(const std::uint8_t* above, const std::uint8_t* here, const std
 }
 
 void fill_row(const Disparity* above, const Disparity* here, const Disparity* below, int width,
-              const Disparity* previous, bool spatial, Disparity* out) {
-  HWY_DYNAMIC_DISPATCH(fill_row_here)(above, here, below, width, previous, spatial, out);
+              const Disparity* previous, bool spatial, const MedianRule& rule, Disparity* out) {
+  HWY_DYNAMIC_DISPATCH(fill_row_here)(above, here, below, width, previous, spatial, rule, out);
 }
 
 void link_row(const Disparity* above, const Disparity* here, int width, int limit,

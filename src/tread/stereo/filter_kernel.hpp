@@ -14,10 +14,15 @@ void gradient_row(const std::uint8_t* above, const std::uint8_t* here, const std
                   int width, int limit, std::uint8_t* out);
 
 // One row of holes filled: from `previous` where that knows (null: not used), else, if spatial,
-// with the median of all nine values. The rows have one pixel more on both sides, which is
-// kNoMatch.
+// with the median of the neighbourhood by `rule`. The rows have one pixel more on both sides,
+// which is kNoMatch.
+struct MedianRule {
+  bool of_all;          // the fifth of all nine, "no match" the largest; else of the known ones
+  int min_known;        // 1 to 8; of_all: 5
+  unsigned max_spread;  // between the smallest and the largest known value; kNoMatch: any
+};
 void fill_row(const Disparity* above, const Disparity* here, const Disparity* below, int width,
-              const Disparity* previous, bool spatial, Disparity* out);
+              const Disparity* previous, bool spatial, const MedianRule& rule, Disparity* out);
 
 // Bits of a row, bit x % 64 of word x / 64, for (width + 63) / 64 words each: whether pixel x is
 // known; is known, as its left neighbour is, and differs from it by at most `limit`; the same for

@@ -27,16 +27,24 @@ Image<Disparity> image(std::vector<std::vector<Disparity>> rows) {
 
 // Paper Q, IV-A.2, the median of nine with "no match" as the largest: five known neighbours fill a
 // hole with the fifth smallest, the largest of them; four do not.
+// The paper's filter: of the readings the first of each.
+O as_the_paper() {
+  O options;
+  options.median = O::Median::kAll;
+  options.max_spread_px = 0.0;
+  return options;
+}
+
 TEST(HoleFilter, MedianOfNineNeedsFiveNeighboursAndTakesTheFifth) {
   HoleFilter filter;
   Image<Disparity> five = image({{10, 20, 30}, {40, X, 50}, {X, X, X}});
-  filter.apply(five, {});
+  filter.apply(five, as_the_paper());
   EXPECT_EQ(five(1, 1), 50);
   Image<Disparity> four = image({{10, 20, 30}, {40, X, X}, {X, X, X}});
-  filter.apply(four, {});
+  filter.apply(four, as_the_paper());
   EXPECT_EQ(four(1, 1), X);
   Image<Disparity> all = image({{10, 20, 30}, {40, X, 50}, {60, 70, 80}});
-  filter.apply(all, {});
+  filter.apply(all, as_the_paper());
   EXPECT_EQ(all(1, 1), 50);
 }
 
@@ -54,6 +62,22 @@ TEST(HoleFilter, MedianOfTheKnownIgnoresTheUnknown) {
   Image<Disparity> two = image({{10, 20, X}, {X, X, X}, {X, X, X}});
   filter.apply(two, options);
   EXPECT_EQ(two(1, 1), X);
+}
+
+// Between the near side and the far side of an edge there is nothing to tell which a hole is of.
+TEST(HoleFilter, DepthEdgesStayHoles) {
+  HoleFilter filter;
+  O options;
+  options.max_spread_px = 0.7;  // 44.8 steps
+  Image<Disparity> within = image({{10, 10, 55}, {10, X, 55}, {10, 10, 55}});
+  filter.apply(within, options);
+  EXPECT_EQ(within(1, 1), 10);
+  Image<Disparity> beyond = image({{10, 10, 56}, {10, X, 56}, {10, 10, 56}});
+  filter.apply(beyond, options);
+  EXPECT_EQ(beyond(1, 1), X);
+  options.max_spread_px = 0.0;
+  filter.apply(beyond, options);
+  EXPECT_EQ(beyond(1, 1), 10);
 }
 
 TEST(HoleFilter, InPlaceSpreadsWithinAPassAndBufferedDoesNot) {

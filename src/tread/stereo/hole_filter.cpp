@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "tread/core/parallel.hpp"
@@ -10,25 +11,33 @@
 namespace tread {
 namespace {
 
+MedianRule rule_of(const HoleFilterOptions& options) {
+  const bool all = options.median == HoleFilterOptions::Median::kAll;
+  const bool any = options.max_spread_px == 0.0;
+  return {
+      all, all ? 5 : options.min_known,
+      any ? kNoMatch : static_cast<unsigned>(std::lround(options.max_spread_px * kDisparityScale))};
+}
+
 // The median of the 3x3 neighbourhood of (x, y), whose centre has no match, or kNoMatch. Outside
 // the image nothing is known.
 Disparity neighbourhood_median(const Image<Disparity>& image, int x, int y,
-                               const HoleFilterOptions& options) {
-  std::array<Disparity, 8> known{};
+                               const MedianRule& rule) {
+  std::array<Disparity, 8> known{};  // sorted
   std::size_t count = 0;
   for (int v = std::max(0, y - 1); v <= std::min(image.height - 1, y + 1); ++v) {
     const Disparity* row = image.row(v);
     for (int u = std::max(0, x - 1); u <= std::min(image.width - 1, x + 1); ++u) {
-      if (row[u] != kNoMatch) known[count++] = row[u];
+      if (row[u] == kNoMatch) continue;
+      std::size_t i = count++;
+      for (; i > 0 && known[i - 1] > row[u]; --i) known[i] = known[i - 1];
+      known[i] = row[u];
     }
   }
-  const bool all = options.median == HoleFilterOptions::Median::kAll;
-  if (count < (all ? 5U : static_cast<std::size_t>(options.min_known))) return kNoMatch;
+  if (count < static_cast<std::size_t>(rule.min_known)) return kNoMatch;
+  if (static_cast<unsigned>(known[count - 1] - known[0]) > rule.max_spread) return kNoMatch;
   // Of nine values the fifth; the unknown ones are the largest, so they only fill the end.
-  const std::size_t middle = all ? 4 : count / 2;
-  std::nth_element(known.begin(), known.begin() + static_cast<std::ptrdiff_t>(middle),
-                   known.begin() + static_cast<std::ptrdiff_t>(count));
-  return known[middle];
+  return known[rule.of_all ? 4 : count / 2];
 }
 
 }  // namespace
@@ -43,6 +52,10 @@ OptionSet describe(HoleFilterOptions& options) {
   set.add_choice("median", options.median, "median of all nine values or of the known ones",
                  {{"all", O::Median::kAll}, {"known", O::Median::kKnown}});
   set.add("min_known", options.min_known, "known neighbours needed, with median: known", 1, 8);
+  set.add("max_spread_px", options.max_spread_px,
+          "largest difference between known neighbours, px; beyond it lies a depth edge; 0: not "
+          "checked",
+          0.0, 64.0);
   set.add_choice("update", options.update,
                  "filled pixels count as known in the next pass or at once",
                  {{"buffered", O::Update::kBuffered}, {"in_place", O::Update::kInPlace}});
@@ -50,9 +63,10 @@ OptionSet describe(HoleFilterOptions& options) {
   return set;
 }
 
-// The default reading, vectorised: every pixel from the pass before, median of all nine.
-void HoleFilter::fill_buffered(Image<Disparity>& disparity, bool from_previous, bool spatial,
-                               const Context& context) {
+// Vectorised: every pixel from the pass before.
+void HoleFilter::fill_buffered(Image<Disparity>& disparity, const HoleFilterOptions& options,
+                               bool from_previous, const Context& context) {
+  const MedianRule rule = rule_of(options);
   std::swap(disparity, buffer_);
   disparity.resize(buffer_.width, buffer_.height);
   const int width = disparity.width, height = disparity.height;
@@ -76,24 +90,22 @@ void HoleFilter::fill_buffered(Image<Disparity>& disparity, bool from_previous, 
     for (int y = first; y < last; ++y) {
       load(y + 1);
       fill_row(row(y - 1) + 1, row(y) + 1, row(y + 1) + 1, width,
-               from_previous ? previous_.row(y) : nullptr, spatial, disparity.row(y));
+               from_previous ? previous_.row(y) : nullptr, options.spatial, rule, disparity.row(y));
     }
   });
 }
 
-// Every other reading, pixel by pixel.
-void HoleFilter::fill_plain(Image<Disparity>& disparity, const HoleFilterOptions& options,
-                            bool from_previous) {
-  const bool in_place = options.update == HoleFilterOptions::Update::kInPlace;
-  if (!in_place) buffer_ = disparity;
-  const Image<Disparity>& from = in_place ? disparity : buffer_;
+// Pixel by pixel, each from what the pass has made so far.
+void HoleFilter::fill_in_place(Image<Disparity>& disparity, const HoleFilterOptions& options,
+                               bool from_previous) {
+  const MedianRule rule = rule_of(options);
   for (int y = 0; y < disparity.height; ++y) {
     Disparity* row = disparity.row(y);
     for (int x = 0; x < disparity.width; ++x) {
       if (row[x] != kNoMatch) continue;
       if (from_previous) row[x] = previous_(x, y);
       if (options.spatial && row[x] == kNoMatch) {
-        row[x] = neighbourhood_median(from, x, y, options);
+        row[x] = neighbourhood_median(disparity, x, y, rule);
       }
     }
   }
@@ -109,10 +121,10 @@ void HoleFilter::apply(Image<Disparity>& disparity, const HoleFilterOptions& opt
   const int passes = options.spatial ? options.passes : 1;
   for (int pass = 0; pass < passes; ++pass) {
     const bool from_previous = pass == 0 && options.temporal && same_size(previous_, disparity);
-    if (options.update == O::Update::kBuffered && options.median == O::Median::kAll) {
-      fill_buffered(disparity, from_previous, options.spatial, context);
+    if (options.update == O::Update::kBuffered) {
+      fill_buffered(disparity, options, from_previous, context);
     } else {
-      fill_plain(disparity, options, from_previous);
+      fill_in_place(disparity, options, from_previous);
     }
   }
   if (keep_raw) std::swap(previous_, raw_);

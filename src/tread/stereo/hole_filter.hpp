@@ -18,10 +18,13 @@ struct HoleFilterOptions {
   // so that a ghost can live for ever.
   enum class Previous { kRaw, kFiltered } previous = Previous::kRaw;
   // (b) What the median is taken of: all nine values with "no match" as the largest (a hole is
-  // filled only if five neighbours are known), or the known ones alone (of an even number the upper of the
-  // two in the middle).
-  enum class Median { kAll, kKnown } median = Median::kAll;
+  // filled only if five neighbours are known), or the known ones alone (of an even number the upper
+  // of the two in the middle).
+  enum class Median { kAll, kKnown } median = Median::kKnown;
   int min_known = 5;  // with kKnown: neighbours that must be known
+  // Ours, and not of the paper: neighbours that differ by more lie on both sides of a depth edge,
+  // and the hole between them stays one. px; 0: not checked.
+  double max_spread_px = 0.75;
   // (c) Whether filled pixels count as known for the pixels after them in the same pass.
   enum class Update { kBuffered, kInPlace } update = Update::kBuffered;
   int passes = 1;  // spatial passes; each shrinks holes by one pixel all around
@@ -38,10 +41,10 @@ class HoleFilter {
   void reset() { previous_ = {}; }
 
  private:
-  void fill_buffered(Image<Disparity>& disparity, bool from_previous, bool spatial,
-                     const Context& context);
-  void fill_plain(Image<Disparity>& disparity, const HoleFilterOptions& options,
-                  bool from_previous);
+  void fill_buffered(Image<Disparity>& disparity, const HoleFilterOptions& options,
+                     bool from_previous, const Context& context);
+  void fill_in_place(Image<Disparity>& disparity, const HoleFilterOptions& options,
+                     bool from_previous);
 
   Image<Disparity> previous_;
   Image<Disparity> raw_;

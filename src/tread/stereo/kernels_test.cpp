@@ -261,35 +261,51 @@ TEST(GradientRow, EqualsItsDefinitionOnEveryInstructionSet) {
   });
 }
 
-TEST(FillRow, TakesThePreviousThenTheFifthOfNineOnEveryInstructionSet) {
-  on_every_target([] {
-    for (int width : {1, 7, 8, 15, 16, 31, 32, 33, 100}) {
-      std::mt19937 random(static_cast<unsigned>(width));
-      const auto value = [&] {
-        return random() % 3 == 0 ? kNoMatch : static_cast<Disparity>(random() % 0xFFFF);
-      };
-      std::array<std::vector<Disparity>, 4> rows;  // three around the row, and the previous one
-      for (auto& row : rows) {
-        row.resize(static_cast<std::size_t>(width) + 2);
-        std::generate(row.begin(), row.end(), value);
-      }
-      for (const bool with_previous : {false, true}) {
-        for (const bool spatial : {false, true}) {
-          std::vector<Disparity> out(static_cast<std::size_t>(width));
-          fill_row(rows[0].data() + 1, rows[1].data() + 1, rows[2].data() + 1, width,
-                   with_previous ? rows[3].data() + 1 : nullptr, spatial, out.data());
-          for (std::size_t x = 1; x <= static_cast<std::size_t>(width); ++x) {
-            std::vector<Disparity> nine;
-            for (int i = 0; i < 3; ++i) {
-              const auto& row = rows[static_cast<std::size_t>(i)];
-              nine.insert(nine.end(), row.begin() + static_cast<std::ptrdiff_t>(x) - 1,
-                          row.begin() + static_cast<std::ptrdiff_t>(x) + 2);
+TEST(FillRow, TakesThePreviousThenTheMedianOnEveryInstructionSet) {
+  constexpr MedianRule kRules[] = {{true, 5, kNoMatch}, {true, 5, 300}, {false, 1, kNoMatch},
+                                   {false, 3, 500},     {false, 5, 48}, {false, 6, 0},
+                                   {false, 8, kNoMatch}};
+  // By its definition, from the nine values.
+  const auto median = [](std::vector<Disparity> nine, const MedianRule& rule) {
+    std::sort(nine.begin(), nine.end());
+    const auto known = std::find(nine.begin(), nine.end(), kNoMatch) - nine.begin();
+    if (known < rule.min_known) return kNoMatch;
+    if (nine[static_cast<std::size_t>(known - 1)] - nine[0] > static_cast<int>(rule.max_spread)) {
+      return kNoMatch;
+    }
+    return nine[rule.of_all ? 4 : static_cast<std::size_t>(known / 2)];
+  };
+  on_every_target([&] {
+    for (int width : {1, 7, 8, 15, 16, 31, 32, 33, 100, 300}) {
+      for (const MedianRule& rule : kRules) {
+        std::mt19937 random(static_cast<unsigned>(width) + rule.max_spread);
+        const unsigned levels = rule.max_spread == kNoMatch ? 0xFFFF : rule.max_spread * 3 / 2 + 1;
+        const unsigned holes = 2 + random() % 4;
+        const auto value = [&] {
+          return random() % holes == 0 ? kNoMatch : static_cast<Disparity>(random() % levels);
+        };
+        std::array<std::vector<Disparity>, 4> rows;  // three around the row, and the previous one
+        for (auto& row : rows) {
+          row.resize(static_cast<std::size_t>(width) + 2);
+          std::generate(row.begin(), row.end(), value);
+        }
+        for (const bool with_previous : {false, true}) {
+          for (const bool spatial : {false, true}) {
+            std::vector<Disparity> out(static_cast<std::size_t>(width));
+            fill_row(rows[0].data() + 1, rows[1].data() + 1, rows[2].data() + 1, width,
+                     with_previous ? rows[3].data() + 1 : nullptr, spatial, rule, out.data());
+            for (std::size_t x = 1; x <= static_cast<std::size_t>(width); ++x) {
+              std::vector<Disparity> nine;
+              for (int i = 0; i < 3; ++i) {
+                const auto& row = rows[static_cast<std::size_t>(i)];
+                nine.insert(nine.end(), row.begin() + static_cast<std::ptrdiff_t>(x) - 1,
+                            row.begin() + static_cast<std::ptrdiff_t>(x) + 2);
+              }
+              Disparity expected = rows[1][x];
+              if (expected == kNoMatch && with_previous) expected = rows[3][x];
+              if (expected == kNoMatch && spatial) expected = median(nine, rule);
+              ASSERT_EQ(out[x - 1], expected) << width << " " << x;
             }
-            std::sort(nine.begin(), nine.end());
-            Disparity expected = rows[1][x];
-            if (expected == kNoMatch && with_previous) expected = rows[3][x];
-            if (expected == kNoMatch && spatial) expected = nine[4];
-            ASSERT_EQ(out[x - 1], expected) << width << " " << x;
           }
         }
       }

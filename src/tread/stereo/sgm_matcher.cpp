@@ -46,6 +46,7 @@ OptionSet describe(SgmOptions& options) {
           "how much dearer all other disparities must be, per cent; 0: not checked", 0, 100);
   set.add("left_right_tolerance_px", options.left_right_tolerance_px,
           "how far the match back may miss, px; -1: not checked", -1, 16);
+  set.add_group("holes", describe(options.holes));
   set.add_group("speckle", describe(options.speckle));
   set.require({"p1", "p2"}, "a larger step must not be cheaper than a small one",
               [&options] { return options.p1 <= options.p2; });

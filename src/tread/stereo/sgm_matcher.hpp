@@ -15,6 +15,7 @@
 
 #include "tread/core/options.hpp"
 #include "tread/core/timer.hpp"
+#include "tread/stereo/hole_filter.hpp"
 #include "tread/stereo/sad_matcher.hpp"
 #include "tread/stereo/speckle_filter.hpp"
 
@@ -30,8 +31,9 @@ struct SgmOptions {
   bool strict_sub_pixel = true;  // as in SadOptions, these four
   int uniqueness_percent = 3;
   int left_right_tolerance_px = 1;
-  // In the place of StereoOptions::speckle: smoothed surfaces hold together where block matching's
-  // fall apart.
+  // In the place of StereoOptions' own. Smoothed surfaces hold together where block matching's fall
+  // apart; and their holes are mostly noise within a surface, not edges.
+  HoleFilterOptions holes = {.max_spread_px = 0.0};
   SpeckleOptions speckle = {true, 200, 1.0};
   [[nodiscard]] bool operator==(const SgmOptions&) const = default;
 };

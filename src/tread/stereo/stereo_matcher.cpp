@@ -71,6 +71,8 @@ StereoOptions paper_q_stereo_options() {
   options.sad.left_right_tolerance_px = -1;
   options.holes = {};
   options.holes.temporal = true;
+  options.holes.median = HoleFilterOptions::Median::kAll;
+  options.holes.max_spread_px = 0.0;
   options.holes.passes = 1;
   options.speckle.max_size_px = 200;
   options.speckle.max_difference_px = 1.0;
@@ -98,9 +100,9 @@ Result<ImageView<const Disparity>> StereoMatcher::match(ImageView<const std::uin
     sad_.match(left_edges_, right_edges_, options.sad, largest_edge_difference(options.edges),
                disparity_, context);
   }
-  holes_.apply(disparity_, options.holes, context);
-  const bool sgm_matched = options.method == StereoMethod::kSgm;
-  speckle_.apply(disparity_, sgm_matched ? options.sgm.speckle : options.speckle, context);
+  const bool by_sgm = options.method == StereoMethod::kSgm;
+  holes_.apply(disparity_, by_sgm ? options.sgm.holes : options.holes, context);
+  speckle_.apply(disparity_, by_sgm ? options.sgm.speckle : options.speckle, context);
   return disparity_.view();
 }
 
