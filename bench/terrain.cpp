@@ -89,8 +89,11 @@ int main(int argc, char** argv) {
   const CostOptions cost_options;
   GlobalMap ground;
   CostMap cost(cost_options, ground.resolution_m());
+  const LocalMapOptions local_options;
+  const GridGeometry local_grid =
+      local_cells(view_from_above(rig, mount.T_body_left, 6.0), local_options.resolution_m);
   LocalMapBuilder builder;
-  LocalMapOptions local_options;
+  Grid<float> known;
   Grid<float> derivative;
   PointCloud cloud;
   std::map<std::string, std::vector<double>> stages;
@@ -112,8 +115,9 @@ int main(int argc, char** argv) {
     Timings timings;
     const Context context{1, &timings};
     const double start_ms = cpu_ms();
+    ground.heights_below(local_grid, pose, known, context);
     const Grid<float>& height =
-        builder.build(cloud.points, mount.T_body_left, local_options, context);
+        builder.build(cloud.points, mount.T_body_left, local_grid, local_options, &known, context);
     sobel_squared(height, derivative, context);
     if (!ground.integrate(height, derivative, pose, {}, context)) return 1;
     cost.update(ground, ground.take_changes(), context);

@@ -9,11 +9,11 @@
 #include <limits>
 #include <random>
 
+#include "stereo_images.hpp"
 #include "tread/plan/a_star.hpp"
 #include "tread/plan/planner.hpp"
 #include "tread/stereo/depth.hpp"
 #include "tread/stereo/stereo_matcher.hpp"
-#include "stereo_images.hpp"
 #include "tread/terrain/cost_map.hpp"
 #include "tread/terrain/local_map.hpp"
 
@@ -94,16 +94,20 @@ TEST(Rates, PaperRMapBuildingAt20Hz) {
     }
   }
   ASSERT_GT(points.size(), 150000U);
+  const GridGeometry cells = local_cells(view_from_above(rig, mount.T_body_left, 6.0), 0.1);
   LocalMapBuilder builder;
+  Grid<float> known;
   Grid<float> derivative;
   GlobalMap ground;
   CostMap cost;
   double x = 0.0;
   std::size_t changed = 0;
   const double seconds = best_seconds(10, [&] {
-    const Grid<float>& height = builder.build(points, mount.T_body_left, {});
+    const LevelPose pose{{x, 0.0, 0.0}, 0.1 * x};
+    ground.heights_below(cells, pose, known);
+    const Grid<float>& height = builder.build(points, mount.T_body_left, cells, {}, &known);
     sobel_squared(height, derivative);
-    ASSERT_TRUE(ground.integrate(height, derivative, {{x, 0.0, 0.0}, 0.1 * x}, {}));
+    ASSERT_TRUE(ground.integrate(height, derivative, pose, {}));
     const std::vector<Cell> changes = ground.take_changes();
     changed += changes.size();
     cost.update(ground, changes);

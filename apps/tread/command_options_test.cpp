@@ -52,9 +52,6 @@ TEST(TreadOptions, AGivenRangeAndAGivenCostOfTheUnexploredWin) {
   };
   EXPECT_EQ(saved("--set cost.unexplored_cost=8"), 8.0);
   EXPECT_EQ(saved("--set cost.unexplored_cost=8 --set plan.unexplored_cost=3"), 3.0);
-  for (const char* name : {"local.range_m", "local.behind_m"}) {
-    expect_refused(base + "--set " + name + "=4", {name, "depth.max_depth_m"});
-  }
 }
 
 TEST(TreadOptions, TheUnexploredCostOfThePlanIsThatOfTheUser) {

@@ -208,24 +208,12 @@ void OptionSet::add_group(const std::string& name, OptionSet group) {
   for (Automatic& pair : group.automatic_) {
     automatic_.push_back({prefix + pair.name, prefix + pair.chosen});
   }
-  for (Withdrawn& field : group.withdrawn_) {
-    field.name.insert(0, prefix);
-    withdrawn_.push_back(std::move(field));
-  }
 }
 
 void OptionSet::require(std::vector<std::string> names, std::string must,
                         std::function<bool()> holds) {
   for ([[maybe_unused]] const std::string& name : names) assert(find(name) != nullptr);
   rules_.push_back({std::move(names), std::move(must), std::move(holds)});
-}
-
-void OptionSet::withdraw(const std::string& name, std::string what, std::string remedy) {
-  std::erase_if(fields_, [&](const OptionField& field) { return field.name == name; });
-  std::erase_if(rules_, [&](const OptionRule& rule) {
-    return std::find(rule.names.begin(), rule.names.end(), name) != rule.names.end();
-  });
-  withdrawn_.push_back({name, std::move(what), std::move(remedy)});
 }
 
 const OptionField* OptionSet::find(std::string_view name) const {
@@ -250,11 +238,6 @@ Status OptionSet::set(std::string_view name, std::string_view text) {
 
 // What to say of a name that is none of the fields.
 Error OptionSet::unknown(std::string_view name) const {
-  for (const Withdrawn& field : withdrawn_) {
-    if (field.name == name) {
-      return {ErrorCode::kBadArgument, field.what, field.name, field.remedy};
-    }
-  }
   std::vector<std::string> names, top, within;
   for (const OptionField& field : fields_) {
     names.push_back(field.name);

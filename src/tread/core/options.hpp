@@ -68,9 +68,6 @@ class OptionSet {
   void require(std::vector<std::string> names, std::string must, std::function<bool()> holds);
   // The fields and rules of a nested struct, under "name.".
   void add_group(const std::string& name, OptionSet group);
-  // Takes a field out of the description: setting it is refused with this error, for fields that
-  // the program itself sets. Rules that name it go with it: they are judged where it is set.
-  void withdraw(const std::string& name, std::string what, std::string remedy);
 
   // Sets one field from text. An unknown name is refused with the nearest known one; text that
   // cannot be read or is out of range leaves the field as it was.
@@ -94,18 +91,12 @@ class OptionSet {
     std::string name;
     std::string chosen;
   };
-  struct Withdrawn {
-    std::string name;
-    std::string what;
-    std::string remedy;
-  };
   [[nodiscard]] const OptionField* find(std::string_view name) const;
   [[nodiscard]] Error unknown(std::string_view name) const;
 
   std::vector<OptionField> fields_;
   std::vector<OptionRule> rules_;
   std::vector<Automatic> automatic_;
-  std::vector<Withdrawn> withdrawn_;
 };
 
 // Checks a struct by its description, in which the whole struct is named: "sad.window_px: ...".

@@ -207,7 +207,6 @@ OptionSet describe(AutomaticOptions& options) {
   group.add("size", options.size, "how many", 1, 1000);
   group.add_automatic("auto_size", options.auto_size, "choose size", "size");
   group.add("reach_m", options.reach_m, "how far");
-  group.withdraw("reach_m", "the mapper sets it", "Set depth");
   set.add_group("g", std::move(group));
   return set;
 }
@@ -245,26 +244,6 @@ TEST(Options, KnowsWhatWasGiven) {
   EXPECT_TRUE(set.given("g.size"));
   EXPECT_FALSE(set.given("g.auto_size"));  // turned off, not given
   EXPECT_FALSE(set.given("g.nothing"));
-}
-
-TEST(Options, AWithdrawnFieldIsRefusedWithWhatToSet) {
-  AutomaticOptions options;
-  OptionSet set = describe(options);
-  const Status withdrawn = set.set("g.reach_m", "3");
-  ASSERT_FALSE(withdrawn);
-  EXPECT_EQ(withdrawn.error().message(), "g.reach_m: the mapper sets it. Set depth.");
-  EXPECT_EQ(options.reach_m, 6.0);
-  EXPECT_EQ(set.fields().size(), 2U);
-}
-
-TEST(Options, ARuleThatNamesAWithdrawnFieldIsLeftToWhoSetsIt) {
-  SpanOptions options;
-  OptionSet set = describe(options);
-  set.withdraw("high_m", "the mapper sets it", "Set low_m");
-  options.low_m = 3.0;  // above high_m, which is not the user's
-  EXPECT_TRUE(set.check());
-  options.cells = 4;
-  EXPECT_EQ(set.check().error().where, "cells");
 }
 
 }  // namespace

@@ -20,12 +20,16 @@ double quarter_pixel_range(const RectifiedRig& rig, double cell_m) {
 // Farther than this no rig sees a cell of the map, whatever its baseline.
 constexpr double kFarthestExtended_m = 1000.0;
 
-// Whether any ray of the image points backwards, seen from the body.
-bool sees_behind(const RectifiedRig& rig, const Eigen::Matrix3d& R_body_points) {
-  for (double v : {0.0, rig.size.height - 1.0}) {
-    if ((R_body_points * rig.point(rig.cx_px, v, 1.0)).x() < 0.0) return true;
+// Whatever way the robot leans, what its camera sees up to a depth lies within this.
+LevelArea reach(const RectifiedRig& rig, const Isometry3d& T_body_points, double depth_m) {
+  double radius_m = T_body_points.translation().norm();
+  for (const int u : {0, rig.size.width}) {
+    for (const int v : {0, rig.size.height}) {
+      radius_m = std::max(radius_m, (T_body_points * rig.point(u, v, depth_m)).norm());
+    }
   }
-  return false;
+  const Eigen::Vector2d corner = Eigen::Vector2d::Constant(radius_m);
+  return {-corner, corner};
 }
 
 // That the search fits the images, as far as it is known before the first frame.
@@ -56,17 +60,12 @@ OptionSet describe(RoverMapOptions& options) {
                     "max_depth_m is given alone",
                     "depth.max_depth_m");
   set.add_group("local", describe(options.local));
-  for (const char* reach : {"local.range_m", "local.behind_m"}) {
-    set.withdraw(reach, "the mapper sets this from depth.max_depth_m and the camera's mount",
-                 "Set depth.max_depth_m in its place");
-  }
   set.add_group("global", describe(options.global));
   set.add_group("cost", describe(options.cost));
-  // Seen from above the camera may look all around.
   set.require({"depth.max_depth_m", "local.resolution_m"},
-              "a local map as wide as that must take at most 1 GiB, 24 bytes a cell", [&options] {
-                const double range_m = options.depth.max_depth_m;
-                return local_map_fits(options.local.resolution_m, range_m, range_m);
+              "a local map as wide as that must take at most 1 GiB, 28 bytes a cell", [&options] {
+                const Eigen::Vector2d far = Eigen::Vector2d::Constant(options.depth.max_depth_m);
+                return local_map_fits({-far, far}, options.local.resolution_m);
               });
   set.require(
       {"cost.window_m", "cost.cells_per_side", "local.resolution_m"},
@@ -116,15 +115,14 @@ Result<RoverMapper> RoverMapper::make_mapper(const StereoRig& full_rig,
     own.depth.max_depth_m =
         std::max(own.depth.max_depth_m, std::min(extended, kFarthestExtended_m));
   }
-  own.local.range_m = own.depth.max_depth_m;
-  own.local.behind_m =
-      sees_behind(mapper.rig_, mapper.T_body_points_.linear()) ? own.local.range_m : 0.0;
-  if (!local_map_fits(own.local.resolution_m, own.local.range_m, own.local.behind_m)) {
+  const LevelArea area = reach(mapper.rig_, mapper.T_body_points_, own.depth.max_depth_m);
+  if (!local_map_fits(area, own.local.resolution_m)) {
     return fail(ErrorCode::kTooLarge,
                 fmt::format("the cameras see {:.0f} m far; a local map of that reach would take "
                             "more than 1 GiB",
-                            own.local.range_m),
-                "extend_range", "Turn it off, or raise local.resolution_m");
+                            own.depth.max_depth_m),
+                "depth.max_depth_m, extend_range",
+                "Turn extend_range off, or raise local.resolution_m; check the camera's mount");
   }
   if (Status ok = check_disparities(own.stereo.sad, own.auto_num_disparities, mapper.rig_.size);
       !ok) {
@@ -233,11 +231,15 @@ Result<RoverFrame> RoverMapper::take(const StereoFrame& frame, const Context& co
 
   const Isometry3d T_level_points =
       Isometry3d(R_level_body(T_world_body.linear())) * T_body_points_;
-  const Grid<float>& height = local_.build(cloud_.points, T_level_points, options_.local, context);
-  sobel_squared(height, derivative_, context);
-
   RoverFrame result;
   result.pose = {T_world_body.translation(), yaw_pitch_roll(T_world_body.linear()).yaw_rad};
+  const GridGeometry cells =
+      local_cells(view_from_above(rig_, T_level_points, options_.depth.max_depth_m),
+                  options_.local.resolution_m);
+  ground_.heights_below(cells, result.pose, known_heights_, context);
+  const Grid<float>& height =
+      local_.build(cloud_.points, T_level_points, cells, options_.local, &known_heights_, context);
+  sobel_squared(height, derivative_, context);
   if (Status ok = ground_.integrate(height, derivative_, result.pose, options_.global, context);
       !ok) {
     return forward(ok);

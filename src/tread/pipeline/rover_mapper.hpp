@@ -27,7 +27,7 @@ struct RoverMapOptions {
   // cell of the map. On paper R's camera (0.12 m baseline, 1024 px wide) that is 6.2 m with its
   // lenses of 3.8 mm and would be 5.1 m with those of 2.5 mm; the paper says 6 m.
   bool extend_range = true;
-  LocalMapOptions local;    // range_m and behind_m are set from the depth gate and the mount
+  LocalMapOptions local;
   GlobalMapOptions global;  // max_map_mib bounds the grid of costs too
   CostOptions cost;
 };
@@ -105,6 +105,7 @@ class RoverMapper {
   Image<std::uint8_t> right_;
   Image<float> depth_;
   PointCloud cloud_;
+  Grid<float> known_heights_;
   Grid<float> derivative_;
 };
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "synthetic_drive.hpp"
@@ -144,7 +146,6 @@ TEST(RoverMapper, RangeIsSixMetresOrWhereAQuarterPixelIsACell) {
   auto far_sighted = RoverMapper::make(wide, {});
   ASSERT_TRUE(far_sighted);
   EXPECT_DOUBLE_EQ(far_sighted->options().depth.max_depth_m, 10.0);  // sqrt(0.1 * 250 / 0.25)
-  EXPECT_DOUBLE_EQ(far_sighted->options().local.range_m, 10.0);
   RoverMapOptions fixed;
   fixed.extend_range = false;
   EXPECT_DOUBLE_EQ(RoverMapper::make(wide, fixed)->options().depth.max_depth_m, 6.0);
@@ -186,11 +187,37 @@ TEST(RoverMapper, TheFirstFrameAloneWidensTheSearchAndNoneNarrowsIt) {
   EXPECT_EQ(after(options, {shifted_frame(100)}), 64);
 }
 
-TEST(RoverMapper, LooksBehindOnlyIfTheCameraDoes) {
-  StereoRig rig = rover_rig();
-  EXPECT_EQ(RoverMapper::make(rig, {})->options().local.behind_m, 0.0);
-  rig.mount = level_mount(2.0, 1.5708, true);
-  EXPECT_EQ(RoverMapper::make(rig, {})->options().local.behind_m, 6.0);
+// Where on the robot the camera sits, and where it looks, is nothing to the ground.
+TEST(RoverMapper, OneGroundWhateverTheMount) {
+  const auto ground = [](const Isometry3d& T_body_forward) {
+    StereoRig rig = rover_rig();
+    rig.mount->T_body_left = T_body_forward * rig.mount->T_body_left;
+    auto mapper = RoverMapper::make(rig, {});
+    EXPECT_TRUE(mapper);
+    for (const StereoFrame& frame : drive()) EXPECT_TRUE(mapper->add(frame));
+    std::map<std::pair<int, int>, float> heights;
+    const CellRect& bounds = mapper->ground().bounds();
+    for (int y = bounds.first.y; y < bounds.last.y; ++y) {
+      for (int x = bounds.first.x; x < bounds.last.x; ++x) {
+        const GroundCell* cell = mapper->ground().find({x, y});
+        if (cell != nullptr && cell->explored()) heights[{x, y}] = cell->height_m;
+      }
+    }
+    return heights;
+  };
+  const auto expected = ground(Isometry3d::Identity());
+  ASSERT_GT(expected.size(), 500U);
+  for (const double yaw : {0.0, 0.8, 1.5708, 3.1416}) {
+    for (const double ahead : {0.0, 4.0, -8.0}) {
+      Isometry3d T = Isometry3d(rotation_from_yaw_pitch_roll(yaw, 0.0, 0.0));
+      T.translation().x() = ahead;
+      const auto heights = ground(T);
+      // The cells of the two local maps lie differently.
+      EXPECT_NEAR(static_cast<double>(heights.size()), static_cast<double>(expected.size()),
+                  0.03 * static_cast<double>(expected.size()))
+          << yaw << " " << ahead;
+    }
+  }
 }
 
 TEST(RoverMapper, ShrunkImagesGiveTheSameGround) {

@@ -37,10 +37,14 @@ CellRect covered_cells(const GridGeometry& local, const LevelPose& pose, double 
   return {{cell(low.x()), cell(low.y())}, {cell(high.x()) + 1, cell(high.y()) + 1}};
 }
 
+bool within_reach(const LevelPose& pose, double resolution_m) {
+  return pose.position.allFinite() && std::isfinite(pose.yaw_rad) &&
+         pose.position.cwiseAbs().maxCoeff() <= kFarthestCells * resolution_m;
+}
+
 Status check_input(const Grid<float>& height, const Grid<float>& derivative, const LevelPose& pose,
                    double resolution_m) {
-  if (!pose.position.allFinite() || !std::isfinite(pose.yaw_rad) ||
-      pose.position.cwiseAbs().maxCoeff() > kFarthestCells * resolution_m) {
+  if (!within_reach(pose, resolution_m)) {
     return fail(ErrorCode::kBadValue,
                 "the pose of a local map is not finite or more than 1e9 cells from the origin",
                 "terrain", "Check the localisation");
@@ -116,6 +120,25 @@ Status GlobalMap::integrate(const Grid<float>& height, const Grid<float>& deriva
     }
   }
   return {};
+}
+
+void GlobalMap::heights_below(const GridGeometry& local, const LevelPose& pose,
+                              Grid<float>& heights, const Context& context) const {
+  const ScopedTimer timer(context, "terrain/below");
+  heights.geometry = local;
+  heights.values.assign(local.size(), std::numeric_limits<float>::quiet_NaN());
+  if (!within_reach(pose, resolution_m_)) return;
+  const Eigen::Vector2d step =
+      Eigen::Rotation2Dd(pose.yaw_rad) * Eigen::Vector2d(local.resolution_m, 0.0);
+  for (int y = 0; y < local.rows; ++y) {
+    const Eigen::Vector2d first =
+        Eigen::Rotation2Dd(pose.yaw_rad) * local.centre({0, y}) + pose.position.head<2>();
+    for (int x = 0; x < local.columns; ++x) {
+      const GroundCell* ground = cells_.find(cell_at(first + x * step));
+      if (ground == nullptr) continue;
+      heights[{x, y}] = ground->height_m - static_cast<float>(pose.position.z());
+    }
+  }
 }
 
 std::vector<Cell> GlobalMap::take_changes() {

@@ -61,6 +61,11 @@ class GlobalMap {
   // once; and empties the list.
   [[nodiscard]] std::vector<Cell> take_changes();
 
+  // The heights known at the cells of a local map at `pose`, measured from its own height; NaN
+  // where none is. For LocalMapBuilder's overhead_m.
+  void heights_below(const GridGeometry& local, const LevelPose& pose, Grid<float>& heights,
+                     const Context& context = {}) const;
+
   [[nodiscard]] const GroundCell* find(Cell cell) const { return cells_.find(cell); }
   [[nodiscard]] const TiledGrid<GroundCell>& cells() const { return cells_; }
   [[nodiscard]] double resolution_m() const { return resolution_m_; }

@@ -251,7 +251,9 @@ TEST(PaperR, PitchErrorsGiveFalseDerivativesOnTheGlobalMapOnly) {
     const double pitch = (frame % 2 == 0 ? 1.0 : -1.0) * std::numbers::pi / 180.0;
     Eigen::Isometry3d T_level_points = Eigen::Isometry3d::Identity();
     T_level_points.linear() = rotation_from_yaw_pitch_roll(0.0, pitch, 0.0);
-    const Grid<float>& height = builder.build(points, T_level_points, {});
+    const Grid<float>& height = builder.build(
+        points, T_level_points,
+        local_cells({Eigen::Vector2d(0.0, -6.0), Eigen::Vector2d(6.0, 6.0)}, 0.1), {});
     sobel_squared(height, derivative);
     ASSERT_TRUE(map.integrate(height, derivative, {{0.2 * frame, 0.0, 0.0}, 0.0}, {}));
   }

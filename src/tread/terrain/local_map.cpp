@@ -11,41 +11,57 @@ namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-GridGeometry local_geometry(const LocalMapOptions& options) {
-  const auto cells = [&](double length_m) {
-    return std::max(0, static_cast<int>(std::ceil(length_m / options.resolution_m - 1e-9)));
-  };
-  const int ahead = cells(options.range_m), behind = cells(options.behind_m);
-  return {options.resolution_m,
-          {-behind * options.resolution_m, -ahead * options.resolution_m},
-          ahead + behind,
-          2 * ahead};
+// Cells from `low` on to hold a length, which begins and ends at cell corners up to rounding.
+int first_cell(double low_m, double resolution_m) {
+  return static_cast<int>(std::floor(low_m / resolution_m + 1e-9));
+}
+int end_cell(double high_m, double resolution_m) {
+  return static_cast<int>(std::ceil(high_m / resolution_m - 1e-9));
 }
 
 }  // namespace
 
-bool local_map_fits(double resolution_m, double range_m, double behind_m) {
-  constexpr double kMostCells = double{1 << 30} / 24.0;
-  return (range_m + behind_m) / resolution_m * (2.0 * range_m / resolution_m) <= kMostCells;
+LevelArea view_from_above(const RectifiedRig& rig, const Eigen::Isometry3d& T_level_points,
+                          double depth_m) {
+  LevelArea area(T_level_points.translation().head<2>());
+  for (const double u : {-0.5, rig.size.width - 0.5}) {
+    for (const double v : {-0.5, rig.size.height - 0.5}) {
+      area.extend((T_level_points * rig.point(u, v, depth_m)).head<2>());
+    }
+  }
+  return area;
+}
+
+GridGeometry local_cells(const LevelArea& area, double resolution_m) {
+  if (area.isEmpty()) return {resolution_m, {0.0, 0.0}, 0, 0};
+  const int x = first_cell(area.min().x(), resolution_m);
+  const int y = first_cell(area.min().y(), resolution_m);
+  return {resolution_m,
+          {x * resolution_m, y * resolution_m},
+          end_cell(area.max().x(), resolution_m) - x,
+          end_cell(area.max().y(), resolution_m) - y};
+}
+
+bool local_map_fits(const LevelArea& area, double resolution_m) {
+  constexpr double kMostCells = double{1 << 30} / 28.0;
+  const Eigen::Vector2d cells = area.sizes() / resolution_m;
+  return cells.x() * cells.y() <= kMostCells;
 }
 
 OptionSet describe(LocalMapOptions& options) {
   OptionSet set;
   set.add("resolution_m", options.resolution_m, "side of a cell, m", 0.001, 10.0);
-  set.add("range_m", options.range_m, "reach ahead, left and right, m", 0.01, 1e4);
-  set.add("behind_m", options.behind_m, "reach behind, m", 0.0, 1e4);
   set.add("min_points", options.min_points, "points that a known cell has at least", 1, 1000);
   set.add_choice(
       "height", options.height, "height of a cell: mean or maximum of its points",
       {{"mean", LocalMapOptions::Height::kMean}, {"max", LocalMapOptions::Height::kMax}});
   set.add("max_height_m", options.max_height_m, "points higher than this are left out, m");
   set.add("min_height_m", options.min_height_m, "points lower than this are left out, m");
+  set.add("overhead_m", options.overhead_m,
+          "points this much above the ground known below them are left out, m; 0: none are", 0.0,
+          1e4);
   set.require({"min_height_m", "max_height_m"}, "the lowest must be less than the highest",
               [&options] { return options.min_height_m < options.max_height_m; });
-  set.require({"resolution_m", "range_m", "behind_m"},
-              "a local map must take at most 1 GiB, 24 bytes a cell", [&options] {
-                return local_map_fits(options.resolution_m, options.range_m, options.behind_m);
-              });
   return set;
 }
 
@@ -56,9 +72,10 @@ Eigen::Matrix3d R_level_body(const Eigen::Matrix3d& R_world_body) {
 
 const Grid<float>& LocalMapBuilder::build(std::span<const Eigen::Vector3f> points,
                                           const Eigen::Isometry3d& T_level_points,
-                                          const LocalMapOptions& options, const Context& context) {
+                                          const GridGeometry& geometry,
+                                          const LocalMapOptions& options, const Grid<float>* known,
+                                          const Context& context) {
   const ScopedTimer timer(context, "terrain/local");
-  const GridGeometry geometry = local_geometry(options);
   sums_.geometry = heights_.geometry = geometry;
   sums_.values.assign(geometry.size(), Sum{});
   heights_.values.assign(geometry.size(), kUnknown);
@@ -69,18 +86,23 @@ const Grid<float>& LocalMapBuilder::build(std::span<const Eigen::Vector3f> point
   const auto high = static_cast<float>(options.max_height_m);
   const auto scale = static_cast<float>(1.0 / geometry.resolution_m);
   const Eigen::Vector2f origin = geometry.origin.cast<float>();
+  const bool under = known != nullptr && options.overhead_m > 0.0;
+  const auto overhead = static_cast<float>(options.overhead_m);
   const bool take_max = options.height == LocalMapOptions::Height::kMax;
   for (const Eigen::Vector3f& point : points) {
     const Eigen::Vector3f p = R * point + t;
     // Comparisons are false for what is not finite.
     if (!(p.z() >= low && p.z() <= high)) continue;
-    const float x = std::floor((p.x() - origin.x()) * scale);
-    const float y = std::floor((p.y() - origin.y()) * scale);
+    const float x = (p.x() - origin.x()) * scale;
+    const float y = (p.y() - origin.y()) * scale;
     if (!(x >= 0.0F && y >= 0.0F && x < static_cast<float>(geometry.columns) &&
           y < static_cast<float>(geometry.rows))) {
       continue;
     }
-    Sum& sum = sums_[{static_cast<int>(x), static_cast<int>(y)}];
+    const Cell cell{static_cast<int>(x), static_cast<int>(y)};
+    // False for a ground that is not known.
+    if (under && p.z() > (*known)[cell] + overhead) continue;
+    Sum& sum = sums_[cell];
     if (!take_max) {
       sum.height += p.z();
     } else if (sum.points == 0 || p.z() > sum.height) {

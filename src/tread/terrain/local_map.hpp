@@ -12,34 +12,47 @@
 #include "tread/core/grid.hpp"
 #include "tread/core/options.hpp"
 #include "tread/core/timer.hpp"
+#include "tread/geometry/stereo_rig.hpp"
 
 namespace tread {
 
 struct LocalMapOptions {
   double resolution_m = 0.1;  // side of a cell; paper R: 0.1
-  double range_m = 6.0;       // the map reaches this far ahead, left and right; paper R: 6
-  double behind_m = 0.0;      // and this far back, for cameras that look down or back
   int min_points = 2;         // a cell with fewer is unknown
   enum class Height { kMean, kMax } height = Height::kMean;
-  double max_height_m = 3.0;  // points higher above the levelled origin are left out: what a robot
-                              // can pass below
+  double max_height_m = 3.0;    // points higher above the levelled origin are left out
   double min_height_m = -10.0;  // and lower than this; below max_height_m
+  // Points this much above the ground that is known below them are left out: what a robot passes
+  // under, crowns of trees and false matches in the sky. 0: none. Not in the papers.
+  double overhead_m = 2.0;
 };
 [[nodiscard]] OptionSet describe(LocalMapOptions& options);
-// Whether a local map of these cells and reach takes at most 1 GiB, 24 bytes a cell.
-[[nodiscard]] bool local_map_fits(double resolution_m, double range_m, double behind_m);
+
+// A rectangle of the levelled frame, metres. Paper R: {{0, -6}, {6, 6}}.
+using LevelArea = Eigen::AlignedBox2d;
+// What a camera sees up to a depth, from above: the rectangle around its place and the corners of
+// its image at that depth, wherever it is mounted and looks.
+[[nodiscard]] LevelArea view_from_above(const RectifiedRig& rig,
+                                        const Eigen::Isometry3d& T_level_points, double depth_m);
+// The cells that hold it; their corners are multiples of the resolution.
+[[nodiscard]] GridGeometry local_cells(const LevelArea& area, double resolution_m);
+// Whether a local map of these cells takes at most 1 GiB, 28 bytes a cell.
+[[nodiscard]] bool local_map_fits(const LevelArea& area, double resolution_m);
 
 // R_level_body for an attitude: Ry(pitch) Rx(roll) of T_world_body, its yaw left out (Eq. 1).
 [[nodiscard]] Eigen::Matrix3d R_level_body(const Eigen::Matrix3d& R_world_body);
 
 // Heights of the points, NaN where fewer than min_points fell. T_level_points maps the points into
-// the levelled frame. Points that are not finite are left out. The sums are made in the order of
-// the points, so the result is the same on every run. Cost: O(points + cells).
+// the levelled frame. Points that are not finite or outside the cells are left out. The sums are
+// made in the order of the points, so the result is the same on every run. `known`, of the same
+// cells, are the heights known before (GlobalMap::heights_below), for overhead_m; null: none are.
+// Cost: O(points + cells).
 class LocalMapBuilder {
  public:
   [[nodiscard]] const Grid<float>& build(std::span<const Eigen::Vector3f> points,
                                          const Eigen::Isometry3d& T_level_points,
-                                         const LocalMapOptions& options,
+                                         const GridGeometry& cells, const LocalMapOptions& options,
+                                         const Grid<float>* known = nullptr,
                                          const Context& context = {});
 
  private:

@@ -32,10 +32,13 @@ std::vector<Vector3f> surface(const std::function<double(double, double)>& z) {
   return points;
 }
 
+const LevelArea kPaperR = {Eigen::Vector2d(0.0, -6.0), Eigen::Vector2d(6.0, 6.0)};
+
 Grid<float> heights(const std::vector<Vector3f>& points, const LocalMapOptions& options = {},
-                    const Isometry3d& T = Isometry3d::Identity()) {
+                    const Isometry3d& T = Isometry3d::Identity(), const LevelArea& area = kPaperR,
+                    const Grid<float>* known = nullptr) {
   LocalMapBuilder builder;
-  return builder.build(points, T, options);
+  return builder.build(points, T, local_cells(area, options.resolution_m), options, known);
 }
 
 Grid<float> derivative(const std::function<double(double, double)>& z) {
@@ -49,11 +52,71 @@ Grid<float> derivative(const std::function<double(double, double)>& z) {
 TEST(LocalMap, SizeIsTheRangeOfPaperR) {
   const Grid<float> map = heights({});
   EXPECT_EQ(map.geometry.columns, 60);
-  EXPECT_EQ(map.geometry.rows, 120);  // 12 m across: at most 120 x 120 with what is behind
+  EXPECT_EQ(map.geometry.rows, 120);  // 12 m across
   EXPECT_EQ(map.geometry.cell_at({0.05, -5.95}), (Cell{0, 0}));
+}
+
+TEST(LocalMap, CellsHoldTheirAreaAndLieOnMultiplesOfTheResolution) {
+  const GridGeometry cells =
+      local_cells(LevelArea(Eigen::Vector2d(-0.25, 0.31), Eigen::Vector2d(1.0, 0.69)), 0.1);
+  EXPECT_NEAR(cells.origin.x(), -0.3, 1e-12);
+  EXPECT_NEAR(cells.origin.y(), 0.3, 1e-12);
+  EXPECT_EQ(cells.columns, 13);
+  EXPECT_EQ(cells.rows, 4);
+  EXPECT_EQ(local_cells(LevelArea(), 0.1).size(), 0U);
+}
+
+// A camera at (x, y) that looks along `yaw` and down by `pitch` sees every point of its view within
+// the area, and to its borders.
+TEST(LocalMap, ViewFromAboveHoldsEveryPointUpToItsDepth) {
+  const RectifiedRig rig = rectified_rig(bumblebee2(640)).value();
+  for (const double yaw : {0.0, 0.7, std::numbers::pi, -1.2}) {
+    for (const double pitch : {0.0, 0.4, 1.5}) {
+      Isometry3d T = Isometry3d(rotation_from_yaw_pitch_roll(yaw, 0.0, 0.05)) *
+                     level_mount(1.0, pitch, true).T_body_left;
+      T.pretranslate(Vector3d(2.5, -1.0, 0.0));
+      const LevelArea area = view_from_above(rig, T, 4.0);
+      LevelArea seen(T.translation().head<2>());
+      for (const double depth : {0.1, 2.0, 4.0}) {
+        for (int v = 0; v < rig.size.height; v += 3) {
+          for (int u = 0; u < rig.size.width; u += 3) {
+            seen.extend((T * rig.point(u, v, depth)).head<2>());
+          }
+        }
+      }
+      EXPECT_TRUE(area.contains(seen));
+      EXPECT_LT((area.sizes() - seen.sizes()).maxCoeff(), 0.1);
+    }
+  }
+}
+
+// What hangs over known ground is passed under; what stands on it is not, nor what hangs over
+// ground that nobody has seen.
+TEST(LocalMap, WhatHangsOverKnownGroundIsLeftOut) {
   LocalMapOptions options;
-  options.behind_m = 6.0;
-  EXPECT_EQ(heights({}, options).geometry.columns, 120);
+  options.overhead_m = 2.0;
+  Grid<float> known(local_cells(kPaperR, options.resolution_m), std::nanf(""));
+  known[known.geometry.cell_at({1.05, 0.05})] = -1.0F;
+  known[known.geometry.cell_at({2.05, 0.05})] = -1.0F;
+  std::vector<Vector3f> points;
+  for (const float dx : {0.01F, 0.02F, 0.03F}) {
+    points.emplace_back(1.0F + dx, 0.01F, -0.9F);  // ground
+    points.emplace_back(1.0F + dx, 0.01F, 1.5F);   // a crown above it
+    points.emplace_back(2.0F + dx, 0.01F, 0.9F);   // a wall: 1.9 m above the ground
+    points.emplace_back(3.0F + dx, 0.01F, 1.5F);   // above what is not known
+  }
+  const auto at = [&](const Grid<float>& map, double x) {
+    return map[map.geometry.cell_at({x, 0.05})];
+  };
+  const Grid<float> map = heights(points, options, Isometry3d::Identity(), kPaperR, &known);
+  EXPECT_NEAR(at(map, 1.05), -0.9, 1e-6);
+  EXPECT_NEAR(at(map, 2.05), 0.9, 1e-6);
+  EXPECT_NEAR(at(map, 3.05), 1.5, 1e-6);
+  options.overhead_m = 0.0;
+  EXPECT_NEAR(at(heights(points, options, Isometry3d::Identity(), kPaperR, &known), 1.05), 0.3,
+              1e-6);
+  options.overhead_m = 2.0;
+  EXPECT_NEAR(at(heights(points, options), 1.05), 0.3, 1e-6);
 }
 
 // "a model of at least 2 m^2" of cells of 5 mm is 80 000 cells. Paper Q's camera, 1 m above the
@@ -61,8 +124,8 @@ TEST(LocalMap, SizeIsTheRangeOfPaperR) {
 TEST(PaperQ, TwoSquareMetresAre80000CellsOfFiveMillimetres) {
   LocalMapOptions options;
   options.resolution_m = 0.005;
-  options.range_m = 1.0;
-  const GridGeometry half = heights({}, options).geometry;  // 1 m ahead, 2 m across
+  const LevelArea ahead = {Eigen::Vector2d(0.0, -1.0), Eigen::Vector2d(1.0, 1.0)};
+  const GridGeometry half = heights({}, options, Isometry3d::Identity(), ahead).geometry;
   EXPECT_EQ(half.columns * half.rows, 80000);
 
   const RectifiedRig rig = rectified_rig(bumblebee2(640)).value();
@@ -70,11 +133,11 @@ TEST(PaperQ, TwoSquareMetresAre80000CellsOfFiveMillimetres) {
   for (int v = 0; v < rig.size.height; ++v) {
     for (int u = 0; u < rig.size.width; ++u) points.push_back(rig.point(u, v, 1.0).cast<float>());
   }
-  options.behind_m = 1.0;
   options.min_points = 1;
   const CameraMount mount = level_mount(1.0, 90.0 * kDegree, false);
+  const LevelArea view = view_from_above(rig, mount.T_body_left, 1.0);
   int known = 0;
-  for (float height : heights(points, options, mount.T_body_left).values) {
+  for (float height : heights(points, options, mount.T_body_left, view).values) {
     if (std::isnan(height)) continue;
     ++known;
     EXPECT_NEAR(height, 0.0, 1e-5);
@@ -198,13 +261,12 @@ TEST(LocalMapOptions, ContradictionsAndMapsBeyondAllMemoryAreRefused) {
   options = {};
   options.max_height_m = std::nan("");
   EXPECT_EQ(check_options(options).error().where, "max_height_m");
-  options = {};
-  options.range_m = 460.0;  // 4600 x 9200 cells of 24 bytes: 0.95 GiB
-  EXPECT_TRUE(check_options(options));
-  options.behind_m = 460.0;
-  EXPECT_EQ(check_options(options).error().where, "resolution_m, range_m, behind_m");
-  options.resolution_m = 0.2;
-  EXPECT_TRUE(check_options(options));
+  const auto square = [](double side_m) {
+    return LevelArea(Eigen::Vector2d::Zero(), Eigen::Vector2d::Constant(side_m));
+  };
+  EXPECT_TRUE(local_map_fits(square(600.0), 0.1));  // 6000 x 6000 cells of 28 bytes: 0.94 GiB
+  EXPECT_FALSE(local_map_fits(square(640.0), 0.1));
+  EXPECT_TRUE(local_map_fits(square(640.0), 0.2));
 }
 
 }  // namespace
