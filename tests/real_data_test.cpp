@@ -2,9 +2,12 @@
 // without them these tests are skipped.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
+#include <vector>
 
 #include "stereo_pairs.hpp"
 #include "stereo_score.hpp"
@@ -89,52 +92,90 @@ TEST(StereoAccuracy, SgmBeatsThreeWaySgbmInBothFiguresOnEverySet) {
   }
 }
 
-// A street with parked cars, kerbs and hedges: the road is flat and cheap, the plan stays on it.
-TEST(KittiDrive, RoadIsCheapCarsAreLethalAndThePlanStaysOnTheRoad) {
+// A street: parked cars and then a hedge to the right, a low kerb to the left. The car that took
+// the images drove down its middle, 35 m.
+class KittiDrive : public ::testing::TestWithParam<StereoMethod> {
+ protected:
+  [[nodiscard]] float cost(double x, double y) const {
+    return mapper_->cost().at(GridGeometry{0.3, {0, 0}, 0, 0}.cell_at({x, y}));
+  }
+  // Where the car drove, world y at a world x.
+  [[nodiscard]] double track(double x) const {
+    const auto after = std::find_if(way_.begin(), way_.end(),
+                                    [x](const Eigen::Vector2d& p) { return p.x() >= x; });
+    return after == way_.end() ? way_.back().y() : after->y();
+  }
+  void map(const std::filesystem::path& drive) {
+    const auto source = open_stereo_source(drive);
+    ASSERT_TRUE(source) << source.error().message();
+    RoverMapOptions options;
+    options.stereo.method = GetParam();
+    auto mapper = RoverMapper::make((*source)->rig(), options);
+    ASSERT_TRUE(mapper);
+    mapper_ = std::move(*mapper);
+    Context context;
+    context.threads = 2;
+    int frames = 0;
+    for (auto frame = (*source)->next(); frame && *frame; frame = (*source)->next()) {
+      ++frames;
+      const auto mapped = mapper_->add(**frame, context);
+      ASSERT_TRUE(mapped) << mapped.error().message();
+      way_.push_back(mapped->pose.position.head<2>());
+    }
+    EXPECT_EQ(frames, 30);
+  }
+  [[nodiscard]] int lethal_within(double x0, double x1, double y0, double y1) const {
+    int lethal = 0;
+    for (double x = x0; x < x1; x += 0.3) {
+      for (double y = y0; y < y1; y += 0.3) lethal += cost(x, y) >= 50.0F ? 1 : 0;
+    }
+    return lethal;
+  }
+  std::optional<RoverMapper> mapper_;
+  std::vector<Eigen::Vector2d> way_;
+};
+
+TEST_P(KittiDrive, RoadIsCheapTheKerbDearerCarsAndHedgeAreLethalAndThePlanStaysOnTheRoad) {
   TREAD_NEEDS_DATA(drive, "stereo_seq/kitti_seq_1");
-  const auto source = open_stereo_source(drive);
-  ASSERT_TRUE(source) << source.error().message();
-  auto mapper = RoverMapper::make((*source)->rig(), {});
-  ASSERT_TRUE(mapper);
-  Context context;
-  context.threads = 2;
-  std::vector<Eigen::Vector2d> way;
-  int frames = 0;
-  for (auto frame = (*source)->next(); frame && *frame; frame = (*source)->next()) {
-    if (++frames % 2 == 0) continue;  // every other one is enough and half the time
-    const auto mapped = mapper->add(**frame, context);
-    ASSERT_TRUE(mapped) << mapped.error().message();
-    way.push_back(mapped->pose.position.head<2>());
+  map(drive);
+  constexpr double kKerb_m = 1.8;   // to the left of the track
+  constexpr double kRight_m = 2.4;  // where the lane ends to its right, and cars park
+  std::vector<float> road, kerb;
+  for (double x = 8.0; x < 40.0; x += 0.3) {
+    for (double y = -0.6; y < 0.9; y += 0.3) road.push_back(cost(x, track(x) + y));
+    float dearest = 0.0F;
+    for (double y = kKerb_m - 0.6; y < kKerb_m + 0.6; y += 0.3) {
+      dearest = std::fmax(dearest, cost(x, track(x) + y));
+    }
+    kerb.push_back(dearest);
   }
-  EXPECT_EQ(frames, 30);
+  EXPECT_LT(*std::max_element(road.begin(), road.end()), 5.0F);
+  std::sort(road.begin(), road.end());
+  std::sort(kerb.begin(), kerb.end());
+  EXPECT_LT(road[road.size() / 2], 2.0F);
+  EXPECT_GT(kerb[kerb.size() / 2], 2.5F * road[road.size() / 2]);
+  EXPECT_GT(lethal_within(12.0, 17.5, -4.5, -1.8), 50);   // the first parked cars
+  EXPECT_GT(lethal_within(35.0, 40.5, -4.5, -1.8), 50);   // and the next ones
+  EXPECT_GT(lethal_within(8.0, 40.0, -10.0, -6.0), 200);  // the hedge
 
-  const auto cost = [&](double x, double y) {
-    return mapper->cost().at(GridGeometry{0.3, {0, 0}, 0, 0}.cell_at({x, y}));
-  };
-  // Where the car has driven, from where the road comes into sight.
-  int on_the_way = 0, cheap = 0;
-  for (const Eigen::Vector2d& p : way) {
-    if (p.x() < 8.0) continue;
-    ++on_the_way;
-    cheap += cost(p.x(), p.y()) < 5.0F ? 1 : 0;
-  }
-  EXPECT_GT(on_the_way, 5);
-  EXPECT_EQ(cheap, on_the_way);
-  int lethal = 0;
-  for (float c : mapper->cost().grid().values) lethal += c >= 50.0F ? 1 : 0;
-  EXPECT_GT(lethal, 100);  // the cars and trees at the sides
-
-  const Eigen::Vector2d goal = way.back() + Eigen::Vector2d(32.0, 0.0);
-  const Plan plan = plan_waypoints(mapper->cost().grid(), way.front(), goal, {});
+  const Eigen::Vector2d goal = way_.back() + Eigen::Vector2d(32.0, 0.0);
+  const Plan plan = plan_waypoints(mapper_->cost().grid(), way_.front(), goal, {});
   ASSERT_EQ(plan.status, PlanStatus::kFound) << plan.reason;
   EXPECT_TRUE(plan.goal_beyond_map);
-  for (const Eigen::Vector2d& p : plan.waypoints) {
-    // The road: 4 m to the left of the driven lane to 3 m to its right, up to the edge of the map.
-    if (p.x() > way.back().x() + 12.0) continue;
-    EXPECT_LT(p.y(), 4.0);
-    EXPECT_GT(p.y(), -3.0);
+  for (std::size_t i = 1; i < plan.waypoints.size(); ++i) {
+    for (double s = 0.0; s <= 1.0; s += 0.02) {
+      const Eigen::Vector2d p = (1.0 - s) * plan.waypoints[i - 1] + s * plan.waypoints[i];
+      if (p.x() > way_.back().x() + 12.0) continue;  // beyond what was seen
+      EXPECT_LT(p.y(), track(p.x()) + kKerb_m);
+      EXPECT_GT(p.y(), track(p.x()) - kRight_m);
+    }
   }
 }
+INSTANTIATE_TEST_SUITE_P(Methods, KittiDrive,
+                         ::testing::Values(StereoMethod::kSad, StereoMethod::kSgm),
+                         [](const auto& method) {
+                           return method.param == StereoMethod::kSad ? "sad" : "sgm";
+                         });
 
 }  // namespace
 }  // namespace tread
