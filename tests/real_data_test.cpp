@@ -139,7 +139,7 @@ TEST_P(KittiDrive, RoadIsCheapTheKerbDearerCarsAndHedgeAreLethalAndThePlanStaysO
   TREAD_NEEDS_DATA(drive, "stereo_seq/kitti_seq_1");
   map(drive);
   constexpr double kKerb_m = 1.8;   // to the left of the track
-  constexpr double kRight_m = 2.4;  // where the lane ends to its right, and cars park
+  constexpr double kRight_m = 3.0;  // the lane to its right and the strip where cars park
   std::vector<float> road, kerb;
   for (double x = 8.0; x < 40.0; x += 0.3) {
     for (double y = -0.6; y < 0.9; y += 0.3) road.push_back(cost(x, track(x) + y));

@@ -192,7 +192,9 @@ int print_exception(const std::exception& error) {
 int print_problems(const std::vector<Error>& problems, std::size_t unused, std::size_t frames) {
   if (problems.empty()) return 0;
   constexpr std::size_t kShown = 5;
-  std::cerr << fmt::format("tread: {} of {} frames could not be used\n", unused, frames);
+  std::cerr << (unused > 0
+                    ? fmt::format("tread: {} of {} frames could not be used\n", unused, frames)
+                    : fmt::format("tread: all {} frames were used, but\n", frames));
   for (std::size_t i = 0; i < std::min(problems.size(), kShown); ++i) {
     std::cerr << "tread:   " << problems[i].message() << '\n';
   }

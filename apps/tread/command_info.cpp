@@ -8,6 +8,7 @@
 
 #include "command.hpp"
 #include "info_text.hpp"
+#include "tread/core/problems.hpp"
 #include "tread/io/image_file.hpp"
 #include "tread/io/map_files.hpp"
 #include "tread/io/mesh_file.hpp"
@@ -55,6 +56,10 @@ Status info_source(const fs::path& path, const std::string& rig, Output& output)
                           frames_text(static_cast<std::size_t>((*source)->frame_count())),
                           (*source)->has_poses() ? "with poses" : "without poses"));
   describe_rig((*source)->rig(), output);
+  for (const Error& problem : distinct_problems((*source)->problems())) {
+    output.values["problems"].push_back(problem.message());
+    output.line("  problem: " + problem.message());
+  }
   return {};
 }
 

@@ -55,6 +55,7 @@ void map_frames(StereoSource& source, RoverMapper& mapper, const Context& contex
   Progress progress("mapping", source.frame_count(), common.json);
   const bool single = source.frame_count() == 1 && !source.has_poses();
   const int kept = source.frame_count() / 2;  // the frame that the report shows
+  run.problems = source.problems();
   const auto begin = std::chrono::steady_clock::now();
   for (int i = 0;; ++i) {
     progress.show(i);
@@ -89,7 +90,7 @@ void map_frames(StereoSource& source, RoverMapper& mapper, const Context& contex
     run.trajectory.push_back({(*frame)->stamp_ns, *(*frame)->T_world_left});
     run.positions.push_back(mapped->pose.position);
     run.last_yaw_rad = mapped->pose.yaw_rad;
-    if (i <= kept) run.sample = sample_of(**frame, *mapped);
+    if (i <= kept) run.sample = sample_of(**frame, *mapped, mapper);
   }
   run.wall_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();

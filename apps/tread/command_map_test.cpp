@@ -4,6 +4,7 @@
 #include <set>
 
 #include "command_test.hpp"
+#include "file_mutations.hpp"
 #include "tread/io/map_files.hpp"
 
 namespace tread {
@@ -97,6 +98,23 @@ TEST(TreadMap, ABrokenPoseLosesOneFrameAndNotTheDrive) {
   EXPECT_NE(ran.err.find("frame 000002: its pose is 1e+07 m from"), std::string::npos) << ran.err;
   EXPECT_EQ(ran.json()["frames_failed"], 1);
   EXPECT_TRUE(load_map(scratch / "m"));
+}
+
+TEST(TreadMap, ADamagedTrajectoryLosesItsLinesAndNotTheDrive) {
+  const ScratchFolder scratch;
+  const fs::path path = copy_of_drive(scratch);
+  const auto poses = read_tum_trajectory(path / "poses.txt").value();
+  // Cut off within the last line: what is left of it is no pose.
+  const std::string text = testing::get_file(path / "poses.txt");
+  ASSERT_TRUE(write_file(path / "poses.txt", text.substr(0, text.rfind(' '))));
+  const Ran ran = tread("map " + path.string() + " --json -o " + (scratch / "m").string());
+  EXPECT_EQ(ran.status, 1);
+  EXPECT_NE(ran.err.find("poses.txt:"), std::string::npos) << ran.err;
+  EXPECT_NE(ran.err.find("7 fields instead of 8"), std::string::npos) << ran.err;
+  EXPECT_EQ(ran.json()["frames"], poses.size() - 1);
+  EXPECT_EQ(ran.json()["frames_failed"], 1);
+  EXPECT_TRUE(load_map(scratch / "m"));
+  EXPECT_NE(tread("info " + path.string()).out.find("7 fields"), std::string::npos);
 }
 
 TEST(TreadMap, WhereNothingCouldBeMappedEveryKindOfProblemIsSaid) {

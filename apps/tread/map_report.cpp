@@ -6,7 +6,9 @@
 #include <cmath>
 #include <limits>
 
+#include "cloud_picture.hpp"
 #include "command.hpp"
+#include "tread/stereo/edge_image.hpp"
 
 namespace tread {
 namespace {
@@ -38,14 +40,40 @@ ColourScale derivative_scale() {
           .unknown_label = "not explored"};
 }
 
+// Around the middle grey, which is no edge, to the whole range of greys.
+Image<std::uint8_t> stretched(Image<std::uint8_t> edges) {
+  int largest = 1;
+  for (int y = 0; y < edges.height; ++y) {
+    for (int x = 0; x < edges.width; ++x) largest = std::max(largest, std::abs(edges(x, y) - 128));
+  }
+  for (int y = 0; y < edges.height; ++y) {
+    for (int x = 0; x < edges.width; ++x) {
+      edges(x, y) = static_cast<std::uint8_t>(128 + (edges(x, y) - 128) * 127 / largest);
+    }
+  }
+  return edges;
+}
+
+std::string robot_place(const GridGeometry& shown) {
+  const std::string levelled = "Levelled: pitch and roll taken out, yaw left in. The robot ";
+  const double left_m = shown.origin.x();
+  if (left_m < 0.0) return levelled + "is at (0, 0) and looks to the right.";
+  return levelled +
+         fmt::format("is {:.1f} m beyond the left border and looks to the right.", left_m);
+}
+
 void add_frame_section(const RoverMapper& mapper, const FrameSample& sample, Report& report) {
   report.add_section("One frame on its way",
                      fmt::format("Frame {}: from the pair to the local derivative. Only the local "
                                  "map, consistent in itself, is derived.",
                                  sample.name));
-  report.add_figure(sample.left, {.title = "Left image", .wide = sample.left.width > 1000});
-  report.add_figure(grey_picture(sample.right),
-                    {.title = "Right image", .wide = sample.left.width > 1000});
+  const bool wide = sample.depth.width > 1000;
+  report.add_figure(sample.left, {.title = "Left image", .wide = wide});
+  report.add_figure(grey_picture(sample.right), {.title = "Right image", .wide = wide});
+  report.add_figure(grey_picture(stretched(sample.edges)),
+                    {.title = "Edge image",
+                     .caption = "Of the left image, contrast stretched: what is matched.",
+                     .wide = wide});
   const ValueRange d = value_range(sample.disparity_px, 0.002);
   const ColourScale disparity{.label = "disparity",
                               .unit = "px",
@@ -57,7 +85,7 @@ void add_frame_section(const RoverMapper& mapper, const FrameSample& sample, Rep
                     {.title = "Disparity",
                      .scale = disparity,
                      .values = values_under(sample.disparity_px),
-                     .wide = sample.left.width > 1000});
+                     .wide = wide});
   const ValueRange z = value_range(sample.depth, 0.005);
   const ColourScale depth{.label = "depth",
                           .unit = "m",
@@ -73,14 +101,22 @@ void add_frame_section(const RoverMapper& mapper, const FrameSample& sample, Rep
                                             mapper.options().depth.max_depth_m),
                      .scale = depth,
                      .values = values_under(sample.depth),
-                     .wide = sample.left.width > 1000});
+                     .wide = wide});
+  const Image<Rgb> cloud =
+      draw_cloud(sample.cloud, sample.T_level_points, wide ? 1200 : 640, wide ? 560 : 480);
+  if (!cloud.empty()) {
+    report.add_figure(
+        cloud, {.title = "Point cloud",
+                .caption = fmt::format("{} points, seen from behind the camera and above it.",
+                                       sample.cloud.points.size()),
+                .wide = wide});
+  }
   const ColourScale height = height_scale(sample.height, "height");
   const Grid<float> known = crop_to_known(sample.height);
   MapPicture local = draw_relief(known, height, 500);
   draw_scale_bar(local);
   report.add_figure(local.image, {.title = "Local height map",
-                                  .caption = "Levelled: pitch and roll taken out, yaw left in. The "
-                                             "robot is at x = 0 and looks to the right.",
+                                  .caption = robot_place(known.geometry),
                                   .scale = height,
                                   .values = values_under(known, "local")});
   // The same cells as the heights, so that both pictures show the same place.
@@ -106,7 +142,9 @@ std::vector<Quantity> quantities(const StereoSource& source, const RoverMapper& 
       {"focal length", fmt::format("{:.1f} px", rig.fx_px)},
       {"baseline", fmt::format("{:.3f} m", rig.baseline_m)},
       {"range", fmt::format("{:.1f} m", mapper.options().depth.max_depth_m), false,
-       mapper.options().extend_range ? "where a quarter pixel is one cell, at least 6 m" : ""}};
+       mapper.options().extend_range
+           ? "depth.max_depth_m, or where a quarter pixel is one cell if that is farther"
+           : ""}};
   const std::optional<CameraMount>& mount = source.rig().mount;
   const double height = mount ? mount->T_body_left.translation().z() : 0.0;
   const double pitch =
@@ -116,16 +154,32 @@ std::vector<Quantity> quantities(const StereoSource& source, const RoverMapper& 
   const bool assumed = !mount || mount->assumed;
   list.push_back({"camera height", fmt::format("{:.2f} m", height), assumed,
                   mount ? "" : "the rig has no mount"});
-  list.push_back({"camera pitch", fmt::format("{:.1f} degrees down", pitch * 57.29578), assumed});
+  const double down = std::round(pitch * 572.9578) / 10.0 + 0.0;  // no -0.0
+  list.push_back({"camera pitch", fmt::format("{:.1f} degrees down", down), assumed});
   if (!source.has_poses()) {
     list.push_back({"pose", "the robot stands at the origin", true, "one pair without poses"});
   }
   return list;
 }
 
+// The left image as it was matched, in colour where the frame has colours that need no more than
+// shrinking.
+Image<Rgb> matched_colours(const StereoFrame& frame, const RoverFrame& mapped,
+                           const RoverMapper& mapper) {
+  const int shrink = mapper.options().shrink;
+  const Image<Rgb>& colour = frame.left_colour;
+  if (colour.empty() || !mapper.takes_rectified_images()) return grey_picture(mapped.left);
+  Image<Rgb> small(mapped.left.width, mapped.left.height);
+  for (int y = 0; y < small.height; ++y) {
+    for (int x = 0; x < small.width; ++x) small(x, y) = colour(x * shrink, y * shrink);
+  }
+  return small;
+}
+
 }  // namespace
 
-FrameSample sample_of(const StereoFrame& frame, const RoverFrame& mapped) {
+FrameSample sample_of(const StereoFrame& frame, const RoverFrame& mapped,
+                      const RoverMapper& mapper) {
   FrameSample sample;
   sample.name = frame.name;
   sample.left = frame.left_colour.empty() ? grey_picture(frame.left) : frame.left_colour;
@@ -138,7 +192,11 @@ FrameSample sample_of(const StereoFrame& frame, const RoverFrame& mapped) {
           d == kNoMatch ? std::numeric_limits<float>::quiet_NaN() : disparity_px(d);
     }
   }
+  edge_image(mapped.left, mapper.options().stereo.edges, sample.edges);
   sample.depth = copy_of(mapped.depth);
+  depth_cloud(mapped.depth, mapper.rig(), mapper.options().stereo.sad.reference,
+              matched_colours(frame, mapped, mapper), sample.cloud);
+  sample.T_level_points = mapped.T_level_points;
   sample.height = *mapped.height;
   sample.derivative = *mapped.derivative;
   return sample;
@@ -198,8 +256,10 @@ Report map_report(const std::string& command_line, const StereoSource& source,
   }
   report.add_quantities("What it stands on", quantities(source, mapper));
   add_frame_section(mapper, run.sample, report);
+  const bool first_is_ahead = source.kind().starts_with("KITTI") || !source.has_poses();
   report.add_section("The ground, all frames together",
-                     "x points ahead of the first pose, y to its left, z up.");
+                     first_is_ahead ? "x points ahead of the first pose, y to its left, z up."
+                                    : "x, y and z as in the poses, z up.");
   for (const MapFigure& figure : map_figures(run, options)) {
     Figure shown{.title = figure.title,
                  .caption = figure.caption,

@@ -18,12 +18,16 @@ struct FrameSample {
   std::string name;
   Image<Rgb> left;
   Image<std::uint8_t> right;
+  Image<std::uint8_t> edges;  // of the left image, as matched
   Image<float> disparity_px;
   Image<float> depth;
+  PointCloud cloud;  // coloured
+  Isometry3d T_level_points = Isometry3d::Identity();
   Grid<float> height;
   Grid<float> derivative;
 };
-[[nodiscard]] FrameSample sample_of(const StereoFrame& frame, const RoverFrame& mapped);
+[[nodiscard]] FrameSample sample_of(const StereoFrame& frame, const RoverFrame& mapped,
+                                    const RoverMapper& mapper);
 
 // What a run of the command has gathered.
 struct MapRun {

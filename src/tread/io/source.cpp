@@ -27,12 +27,17 @@ constexpr double kKittiCameraHeight_m = 1.65;  // Geiger, Lenz, Stiller, Urtasun
 
 class FolderSource : public StereoSource {
  public:
-  FolderSource(StereoFolder folder, StereoRig rig, std::vector<std::optional<Isometry3d>> poses)
-      : folder_(std::move(folder)), rig_(std::move(rig)), poses_(std::move(poses)) {}
+  FolderSource(StereoFolder folder, StereoRig rig, std::vector<std::optional<Isometry3d>> poses,
+               std::vector<Error> problems)
+      : folder_(std::move(folder)),
+        rig_(std::move(rig)),
+        poses_(std::move(poses)),
+        problems_(std::move(problems)) {}
 
   [[nodiscard]] const StereoRig& rig() const override { return rig_; }
   [[nodiscard]] int frame_count() const override { return static_cast<int>(folder_.frames.size()); }
   [[nodiscard]] bool has_poses() const override { return !poses_.empty(); }
+  [[nodiscard]] const std::vector<Error>& problems() const override { return problems_; }
   [[nodiscard]] std::string kind() const override {
     return folder_.kind == StereoFolder::Kind::kKitti ? "KITTI odometry folder"
                                                       : "folder of left and right images";
@@ -51,6 +56,7 @@ class FolderSource : public StereoSource {
   StereoFolder folder_;
   StereoRig rig_;
   std::vector<std::optional<Isometry3d>> poses_;  // none, or one a frame
+  std::vector<Error> problems_;
   std::size_t next_ = 0;
 };
 
@@ -217,28 +223,38 @@ Result<ColourCameras> read_colour_cameras(const fs::path& path, ImageSize size) 
 
 // Poses as they come from the file, in the order of its lines or by time.
 struct PoseFile {
-  std::vector<Isometry3d> by_number;
+  std::vector<std::optional<Isometry3d>> by_number;
   Trajectory by_time;
+  std::vector<Error> bad_lines;
 };
 
-// TUM or KITTI, told apart by the number of fields of the first line.
+// TUM or KITTI, told apart by the number of fields of the first line that has as many as either.
+// A damaged line costs its pose, not the drive; but one pose there must be.
 Result<PoseFile> read_poses(const fs::path& path) {
   const auto text = read_file(path, std::size_t{1} << 30);
   if (!text) return forward(text);
   const auto lines = lines_with_content(*text);
-  const std::size_t fields = lines.empty() ? 0 : split_fields(lines.front().text).size();
   PoseFile poses;
+  std::size_t fields = lines.empty() ? 0 : split_fields(lines.front().text).size();
+  for (const TextLine& line : lines) {
+    const std::size_t here = split_fields(line.text).size();
+    if (here != 8 && here != 12) continue;
+    fields = here;
+    break;
+  }
   if (fields == 12) {
-    auto read = read_kitti_poses(path);
+    auto read = read_kitti_poses(path, &poses.bad_lines);
     if (!read) return forward(read);
     poses.by_number = std::move(*read);
-    return poses;
+    if (poses.bad_lines.size() < poses.by_number.size()) return poses;
+    return tl::unexpected<Error>(poses.bad_lines.front());
   }
   if (fields == 8) {
-    auto read = read_tum_trajectory(path);
+    auto read = read_tum_trajectory(path, &poses.bad_lines);
     if (!read) return forward(read);
     poses.by_time = std::move(*read);
-    return poses;
+    if (!poses.by_time.empty()) return poses;
+    return tl::unexpected<Error>(poses.bad_lines.front());
   }
   return fail(ErrorCode::kBadFormat, fmt::format("{} numbers in the first line", fields),
               path.string(), "Write 8 (TUM: time tx ty tz qx qy qz qw) or 12 (KITTI: 3x4 matrix)");
@@ -269,8 +285,8 @@ std::vector<std::optional<Isometry3d>> poses_of_frames(const PoseFile& poses,
     const auto number = static_cast<std::size_t>(frame.number);
     if (!poses.by_time.empty()) {
       found.push_back(pose_at(poses.by_time, frame.stamp_ns));
-    } else if (number < poses.by_number.size()) {
-      found.emplace_back(T_world_first * T_0_left.inverse() * poses.by_number[number] * T_0_left);
+    } else if (number < poses.by_number.size() && poses.by_number[number]) {
+      found.emplace_back(T_world_first * T_0_left.inverse() * *poses.by_number[number] * T_0_left);
     } else {
       found.emplace_back(std::nullopt);
     }
@@ -326,13 +342,15 @@ Result<std::unique_ptr<StereoSource>> open_stereo_source(const fs::path& path,
   }
 
   std::vector<std::optional<Isometry3d>> poses;
+  std::vector<Error> problems;
   if (const fs::path file = find_poses(path, *folder, options); !file.empty()) {
-    const auto read = read_poses(file);
+    auto read = read_poses(file);
     if (!read) return forward(read);
+    problems = std::move(read->bad_lines);
     poses = poses_of_frames(*read, *folder, cameras.rig, cameras.T_0_2);
   }
   return std::make_unique<FolderSource>(std::move(*folder), std::move(cameras.rig),
-                                        std::move(poses));
+                                        std::move(poses), std::move(problems));
 }
 
 }  // namespace tread

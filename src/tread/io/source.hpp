@@ -25,6 +25,8 @@ class StereoSource {
   // Frames that next() will try to read, also those that will turn out to be bad.
   [[nodiscard]] virtual int frame_count() const = 0;
   [[nodiscard]] virtual bool has_poses() const = 0;
+  // What was found wrong on opening and could be left out: lines of the trajectory.
+  [[nodiscard]] virtual const std::vector<Error>& problems() const = 0;
   // What it is: "KITTI odometry folder".
   [[nodiscard]] virtual std::string kind() const = 0;
   // The next frame; empty after the last. An error names the file: an image that is missing, cannot
@@ -56,7 +58,7 @@ struct SourceOptions {
 // ground below the first camera: T_world_left = T_body_left(mount) T_first_left. Without a mount
 // (only in the second kind of folder) that origin is in the first camera. Poses in TUM format (8
 // numbers a line) are matched by time (see pose_at) and taken as T_world_left as they are. A frame
-// that has none has no T_world_left.
+// that has none has no T_world_left; so one whose line cannot be read, which is among problems().
 [[nodiscard]] Result<std::unique_ptr<StereoSource>> open_stereo_source(
     const std::filesystem::path& path, const SourceOptions& options = {});
 

@@ -100,7 +100,7 @@ Result<std::vector<TextLine>> lines_of(const std::string& text, const fs::path& 
 
 }  // namespace
 
-Result<Trajectory> read_tum_trajectory(const fs::path& path) {
+Result<Trajectory> read_tum_trajectory(const fs::path& path, std::vector<Error>* bad_lines) {
   const auto text = read_file(path, kLargestFile);
   if (!text) return forward(text);
   const auto lines = lines_of(*text, path);
@@ -108,12 +108,17 @@ Result<Trajectory> read_tum_trajectory(const fs::path& path) {
   Trajectory trajectory;
   for (const TextLine& line : *lines) {
     const std::string place = line_place(path.string(), line.number);
-    const auto pose = parse_tum_line(line.text, place);
-    if (!pose) return forward(pose);
-    if (!trajectory.empty() && pose->stamp_ns <= trajectory.back().stamp_ns) {
-      return not_increasing(place);
+    Result<StampedPose> pose = parse_tum_line(line.text, place);
+    if (pose && !trajectory.empty() && pose->stamp_ns <= trajectory.back().stamp_ns) {
+      pose = not_increasing(place);
     }
-    trajectory.push_back(*pose);
+    if (pose) {
+      trajectory.push_back(*pose);
+    } else if (bad_lines != nullptr) {
+      bad_lines->push_back(pose.error());
+    } else {
+      return forward(pose);
+    }
   }
   return trajectory;
 }
@@ -130,16 +135,18 @@ Status write_tum_trajectory(const fs::path& path, const Trajectory& trajectory) 
   return write_file(path, text);
 }
 
-Result<std::vector<Isometry3d>> read_kitti_poses(const fs::path& path) {
+Result<std::vector<std::optional<Isometry3d>>> read_kitti_poses(const fs::path& path,
+                                                               std::vector<Error>* bad_lines) {
   const auto text = read_file(path, kLargestFile);
   if (!text) return forward(text);
   const auto lines = lines_of(*text, path);
   if (!lines) return forward(lines);
-  std::vector<Isometry3d> poses;
+  std::vector<std::optional<Isometry3d>> poses;
   for (const TextLine& line : *lines) {
     const auto pose = parse_kitti_line(line.text, line_place(path.string(), line.number));
-    if (!pose) return forward(pose);
-    poses.push_back(*pose);
+    if (!pose && bad_lines == nullptr) return forward(pose);
+    if (!pose) bad_lines->push_back(pose.error());
+    poses.push_back(pose ? std::optional(*pose) : std::nullopt);
   }
   return poses;
 }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "tread/core/result.hpp"
@@ -11,14 +12,18 @@
 
 namespace tread {
 
-// Times must increase strictly; a line that cannot be read is named by its number. Nanoseconds are
-// read exactly, quaternions normalised.
-[[nodiscard]] Result<Trajectory> read_tum_trajectory(const std::filesystem::path& path);
+// Times must increase strictly; a line that cannot be read is named by its number: it is the error
+// of the whole, or, with `bad_lines`, is added there and left out. Nanoseconds are read exactly,
+// quaternions normalised.
+[[nodiscard]] Result<Trajectory> read_tum_trajectory(const std::filesystem::path& path,
+                                                     std::vector<Error>* bad_lines = nullptr);
 // Nanoseconds are written exactly.
 [[nodiscard]] Status write_tum_trajectory(const std::filesystem::path& path,
                                           const Trajectory& trajectory);
-// Rotations that are off by rounding are made orthonormal; others are refused.
-[[nodiscard]] Result<std::vector<Isometry3d>> read_kitti_poses(const std::filesystem::path& path);
+// Rotations that are off by rounding are made orthonormal; others are refused. With `bad_lines` a
+// line that cannot be read is added there and has no pose.
+[[nodiscard]] Result<std::vector<std::optional<Isometry3d>>> read_kitti_poses(
+    const std::filesystem::path& path, std::vector<Error>* bad_lines = nullptr);
 
 // One time in seconds a line, strictly increasing, as KITTI's times.txt; exact nanoseconds.
 [[nodiscard]] Result<std::vector<std::int64_t>> read_times(const std::filesystem::path& path);

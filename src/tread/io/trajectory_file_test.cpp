@@ -127,10 +127,10 @@ TEST(KittiPoses, ReadsMatricesRowByRowAndMakesThemRigid) {
   const auto poses = read_kitti_poses(folder / "p.txt");
   ASSERT_TRUE(poses) << poses.error().message();
   ASSERT_EQ(poses->size(), 2U);
-  EXPECT_EQ((*poses)[0].matrix(), Eigen::Matrix4d::Identity());
-  EXPECT_EQ((*poses)[1].translation(), Eigen::Vector3d(-1.401751e-02, -2.820321e-02, 1.198998));
-  EXPECT_TRUE(is_rigid((*poses)[1], 1e-14));
-  EXPECT_NEAR((*poses)[1].linear()(0, 1), 7.197e-04, 1e-6);
+  EXPECT_EQ((*poses)[0]->matrix(), Eigen::Matrix4d::Identity());
+  EXPECT_EQ((*poses)[1]->translation(), Eigen::Vector3d(-1.401751e-02, -2.820321e-02, 1.198998));
+  EXPECT_TRUE(is_rigid(*(*poses)[1], 1e-14));
+  EXPECT_NEAR((*poses)[1]->linear()(0, 1), 7.197e-04, 1e-6);
 }
 
 TEST(KittiPoses, BadLinesAreNamedByTheirNumber) {
@@ -151,6 +151,36 @@ TEST(KittiPoses, BadLinesAreNamedByTheirNumber) {
   const auto read = [](const fs::path& path) { return read_kitti_poses(path).has_value(); };
   testing::shorter_files_taken(good + good, folder / "p.txt", read);
   EXPECT_GT(testing::damaged_files_refused(good + good, folder / "p.txt", read), 1000);
+}
+
+TEST(KittiPoses, BadLinesCanBeLeftOutAndAreNamed) {
+  const ScratchFolder folder;
+  const std::string good = "1 0 0 0 0 1 0 0 0 0 1 0\n";
+  put_file(folder / "p.txt", good + "1 0 0 nan 0 1 0 0 0 0 1 0\n" + good + "1 0 0 0 0 1 0 0");
+  std::vector<Error> bad;
+  const auto poses = read_kitti_poses(folder / "p.txt", &bad);
+  ASSERT_TRUE(poses);
+  ASSERT_EQ(poses->size(), 4U);
+  EXPECT_TRUE((*poses)[0] && !(*poses)[1] && (*poses)[2] && !(*poses)[3]);
+  ASSERT_EQ(bad.size(), 2U);
+  EXPECT_EQ(bad[0].where, (folder / "p.txt").string() + ":2");
+  EXPECT_EQ(bad[1].where, (folder / "p.txt").string() + ":4");
+}
+
+TEST(TumTrajectory, BadLinesCanBeLeftOutAndAreNamed) {
+  const ScratchFolder folder;
+  put_file(folder / "t.tum",
+           "1 0 0 0 0 0 0 1\n2 x 0 0 0 0 0 1\n3 0 0 0 0 0 0 1\n2.5 0 0 0 0 0 0 1\n4 0 0 0\n");
+  std::vector<Error> bad;
+  const auto poses = read_tum_trajectory(folder / "t.tum", &bad);
+  ASSERT_TRUE(poses);
+  ASSERT_EQ(poses->size(), 2U);
+  EXPECT_EQ((*poses)[1].stamp_ns, 3'000'000'000);
+  ASSERT_EQ(bad.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const int line = i == 0 ? 2 : static_cast<int>(i) + 3;
+    EXPECT_EQ(bad[i].where, (folder / "t.tum").string() + ":" + std::to_string(line));
+  }
 }
 
 TEST(Times, AreExactAndMustIncrease) {

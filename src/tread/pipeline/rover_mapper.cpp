@@ -253,6 +253,7 @@ Result<RoverFrame> RoverMapper::take(const StereoFrame& frame, const Context& co
   result.disparity = *disparity;
   result.depth = depth_;
   result.cloud = &cloud_;
+  result.T_level_points = T_level_points;
   result.height = &height;
   result.derivative = &derivative_;
   result.changed_cells = changes.size();

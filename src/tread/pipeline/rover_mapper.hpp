@@ -39,6 +39,7 @@ struct RoverFrame {
   ImageView<const Disparity> disparity;
   ImageView<const float> depth;             // metres
   const PointCloud* cloud = nullptr;        // rectified left optical axes
+  Isometry3d T_level_points = Isometry3d::Identity();  // from those into the levelled frame
   const Grid<float>* height = nullptr;      // local, levelled
   const Grid<float>* derivative = nullptr;  // local
   LevelPose pose;
@@ -67,6 +68,7 @@ class RoverMapper {
   // Frames refused because of where their poses are.
   [[nodiscard]] std::size_t refused_poses() const { return refused_poses_; }
   [[nodiscard]] const RectifiedRig& rig() const { return rig_; }
+  [[nodiscard]] bool takes_rectified_images() const { return !rectification_; }
   // With what was set from the rig and the first frame.
   [[nodiscard]] const RoverMapOptions& options() const { return options_; }
   // All layers: height, derivative, explored, cost. Fails only where there is less memory than
