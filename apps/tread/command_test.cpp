@@ -33,6 +33,7 @@ TEST(TreadHelp, WrongUsageEndsWith2AndSaysWhatToDo) {
   expect_refused("depth a b --treads 2", {"--treads", "Did you mean --threads?"}, 2);
   expect_refused("depth a b --threads 0", {"--threads", "1 to 256"}, 2);
   expect_refused("depth a b -o", {"--output"}, 2);
+  expect_refused("map drive --rig ''", {"--rig", "empty"}, 2);
   expect_refused("map drive --start 1", {"--start", "2"}, 2);
   expect_refused("plan m --start 0 0 --goal east 1", {"--goal", "east"}, 2);
 }

@@ -27,6 +27,11 @@ std::optional<std::string> unknown_command(int argc, const char* const* argv) {
   return std::nullopt;
 }
 
+// A value that is empty is a variable of a shell that was not set. For CLI11: what is wrong.
+std::string not_empty(const std::string& value) {
+  return value.empty() ? "the value is empty" : "";
+}
+
 // CLI11's words, and for an unknown option the one that may have been meant.
 std::string words_of(const CLI::ParseError& error, const CLI::App& command) {
   std::string what = error.what();
@@ -80,6 +85,7 @@ int run_program(int argc, const char* const* argv, const std::string& version) {
   for (CLI::App* command : app.get_subcommands({})) {
     for (CLI::Option* option : command->get_options()) {
       option->description(wrapped(option->get_description()));
+      option->check(CLI::Validator(not_empty, ""));
     }
   }
   const std::string commands = fmt::format("{}", fmt::join(kCommands, ", "));

@@ -137,7 +137,7 @@ void OptionSet::add(std::string name, int& value, std::string meaning, int low, 
 void OptionSet::add_odd(std::string name, int& value, std::string meaning, int low, int high) {
   fields_.push_back(number_field<int>(
       std::move(name), value, std::move(meaning), fmt::format("odd, {} to {}", low, high),
-      [low, high](int v) { return v >= low && v <= high && v % 2 != 0; }, "an odd whole number"));
+      [low, high](int v) { return v >= low && v <= high && v % 2 != 0; }, "a whole number"));
 }
 
 void OptionSet::add(std::string name, double& value, std::string meaning, double low, double high) {

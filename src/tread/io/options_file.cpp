@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <set>
 #include <vector>
 
 #include "tread/io/atomic_file.hpp"
@@ -21,9 +22,14 @@ Status apply(const YAML::Node& node, const std::string& prefix, const std::strin
     return fail(ErrorCode::kBadFormat, "keys with values are expected here",
                 at(node, prefix.empty() ? "options" : prefix), "Write 'name: value'");
   }
+  std::set<std::string> seen;
   for (const auto& entry : node) {
     const std::string key = entry.first.Scalar();
     const std::string name = prefix.empty() ? key : prefix + "." + key;
+    if (!seen.insert(key).second) {
+      return fail(ErrorCode::kBadFormat, "this is given twice", at(entry.first, name),
+                  "Keep one of them");
+    }
     if (entry.second.IsMap()) {
       if (Status done = apply(entry.second, name, file, options, depth + 1); !done) return done;
       continue;

@@ -58,6 +58,11 @@ TEST(OptionsFile, ErrorsNameFileLineKeyAndTheNearestName) {
   ASSERT_FALSE(range);
   EXPECT_NE(range.error().message().find("o.yaml:1: sad.window_px"), std::string::npos);
   EXPECT_EQ(outer.sad.window_px, 9);
+  const Status twice = read("sad:\n  window_px: 13\n  window_px: 15\n", outer);
+  ASSERT_FALSE(twice);
+  EXPECT_NE(twice.error().message().find("o.yaml:3: sad.window_px: this is given twice"),
+            std::string::npos)
+      << twice.error().message();
   for (const char* text :
        {"[1, 2]", "fill: [1]", "just text", "a: {b: {", "fill: *nothing", "sad: 3", "? [1]\n: 2"}) {
     EXPECT_FALSE(read(text, outer)) << text;

@@ -61,7 +61,10 @@ Status read_line(std::vector<std::string_view> words, const std::string& where, 
     words.erase(words.begin());
   } else if (parse_finite(words[0])) {
     while (++camera < 4 && file.P[static_cast<std::size_t>(camera)]) continue;
-    if (camera == 4) return {};
+    if (camera == 4) {
+      return fail(ErrorCode::kBadFormat, "more than four matrices: this is no calibration", where,
+                  "Poses are given with --poses; the calibration is calib.txt");
+    }
   } else if (words[0] == "S_rect_00:" && words.size() == 3) {
     const auto width = parse_finite(words[1]), height = parse_finite(words[2]);
     constexpr double kMost = 1e6;

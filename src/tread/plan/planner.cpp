@@ -37,8 +37,9 @@ std::string place(const Eigen::Vector2d& p) {
 
 // "cost 80 of 50", with a word about where the cost is from if nothing is known about the cell
 std::string cost_text(float value, const GridSearchOptions& options) {
-  if (!std::isnan(value)) return fmt::format("cost {:g} of {:g}", value, options.lethal_cost);
-  return fmt::format("unexplored, cost {:g} of {:g}", options.unexplored_cost, options.lethal_cost);
+  if (!std::isnan(value)) return fmt::format("cost {:.3g}, lethal from {:g}", value, options.lethal_cost);
+  return fmt::format("unexplored, cost {:.3g}, lethal from {:g}", options.unexplored_cost,
+                     options.lethal_cost);
 }
 
 // The centre nearest to a point of all cells for which chosen(cell) holds; the first in order of

@@ -322,12 +322,12 @@ TEST(PlannerReasons, StartAndGoalBlocked) {
   const Plan goal = plan_waypoints(grid, {0.5, 0.5}, {3.0, 4.0}, {});
   EXPECT_EQ(goal.status, PlanStatus::kGoalBlocked);
   EXPECT_EQ(goal.reason,
-            "the goal (3.00, 4.00) lies in an obstacle (cost 80 of 50); the nearest free place is "
+            "the goal (3.00, 4.00) lies in an obstacle (cost 80, lethal from 50); the nearest free place is "
             "(2.50, 3.50)");
   const Plan start = plan_waypoints(grid, {3.9, 4.5}, {0.5, 0.5}, {});
   EXPECT_EQ(start.status, PlanStatus::kStartBlocked);
   EXPECT_EQ(start.reason,
-            "the start (3.90, 4.50) lies in an obstacle (cost 80 of 50); the nearest free place is "
+            "the start (3.90, 4.50) lies in an obstacle (cost 80, lethal from 50); the nearest free place is "
             "(4.50, 4.50)");
   const Plan none = plan_waypoints(filled_grid(2, 2, kWall), {0.5, 0.5}, {1.5, 1.5}, {});
   EXPECT_NE(none.reason.find("no place of the map is free: raise lethal_cost"), std::string::npos);
@@ -341,13 +341,13 @@ TEST(PlannerReasons, UnexploredGroundThatIsLethal) {
   const Plan inside = plan_waypoints(grid, {0.5, 0.5}, {2.5, 1.6}, options);
   EXPECT_EQ(inside.status, PlanStatus::kGoalBlocked);
   EXPECT_EQ(inside.reason,
-            "the goal (2.50, 1.60) lies in an obstacle (unexplored, cost 60 of 50); the nearest "
+            "the goal (2.50, 1.60) lies in an obstacle (unexplored, cost 60, lethal from 50); the nearest "
             "free place is (2.50, 2.50)");
   const Plan beyond = plan_waypoints(grid, {0.5, 0.5}, {9.0, 0.5}, options);
   EXPECT_EQ(beyond.status, PlanStatus::kGoalBlocked);
   EXPECT_TRUE(beyond.waypoints.empty());
   EXPECT_EQ(beyond.reason,
-            "the goal (9.00, 0.50) lies beyond the map in an obstacle (unexplored, cost 60 of 50); "
+            "the goal (9.00, 0.50) lies beyond the map in an obstacle (unexplored, cost 60, lethal from 50); "
             "lower unexplored_cost below lethal_cost; the nearest free place is (2.50, 0.50)");
 }
 
