@@ -115,9 +115,6 @@ Status check_place(const std::string& option, const std::vector<double>& place) 
 Status prepare_output(const CommonOptions& common) {
   if (!common.output) return {};
   const std::filesystem::path folder = *common.output;
-  if (folder.empty()) {
-    return fail(ErrorCode::kBadArgument, "the name of the folder is empty", "-o", "Give a folder");
-  }
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error || !std::filesystem::is_directory(folder, error)) {

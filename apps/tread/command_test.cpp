@@ -191,7 +191,7 @@ TEST(TreadDepth, FilesOfAnEarlierRunGoAndOtherFilesStay) {
 
 TEST(TreadDepth, TheOutputFolderIsCheckedBeforeTheWork) {
   const ScratchFolder scratch;
-  expect_refused("depth " + pair_arguments() + " -o ''", {"-o", "empty"});
+  expect_refused("depth " + pair_arguments() + " -o ''", {"--output", "empty"}, 2);
   ASSERT_TRUE(write_file(scratch / "file", ""));
   const Ran ran = tread("depth " + pair_arguments() + " -o " + (scratch / "file").string());
   EXPECT_EQ(ran.status, 1);
@@ -201,7 +201,7 @@ TEST(TreadDepth, TheOutputFolderIsCheckedBeforeTheWork) {
     expect_refused("depth " + pair_arguments() + " -o /proc/self", {"/proc/self", "cannot write"});
     expect_refused("map " + drive().string() + " -o /proc/self", {"/proc/self", "cannot write"});
   }
-  expect_refused("map " + drive().string() + " -o ''", {"-o", "empty"});
+  expect_refused("map " + drive().string() + " -o ''", {"--output", "empty"}, 2);
 }
 
 }  // namespace

@@ -22,6 +22,7 @@ using ProjectionValues = std::array<double, 12>;
 struct KittiFile {
   std::array<std::optional<ProjectionValues>, 4> P;
   std::optional<ImageSize> size;
+  int bare_lines = 0;  // without a name
 };
 
 // "P0:" and "P_rect_00:" are 0; -1 if the word names no projection matrix.
@@ -61,10 +62,12 @@ Status read_line(std::vector<std::string_view> words, const std::string& where, 
     words.erase(words.begin());
   } else if (parse_finite(words[0])) {
     while (++camera < 4 && file.P[static_cast<std::size_t>(camera)]) continue;
-    if (camera == 4) {
-      return fail(ErrorCode::kBadFormat, "more than four matrices: this is no calibration", where,
+    constexpr int kMost = 5;  // the four cameras and the laser scanner
+    if (++file.bare_lines > kMost) {
+      return fail(ErrorCode::kBadFormat, "more than five matrices: this is no calibration", where,
                   "Poses are given with --poses; the calibration is calib.txt");
     }
+    if (camera == 4) return {};
   } else if (words[0] == "S_rect_00:" && words.size() == 3) {
     const auto width = parse_finite(words[1]), height = parse_finite(words[2]);
     constexpr double kMost = 1e6;

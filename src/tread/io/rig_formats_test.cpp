@@ -160,6 +160,8 @@ TEST_F(RigFormats, KittiBareFileWithAllFourCamerasAndMore) {
   const auto rig = read_text("\n# grey, then colour\n" + text, kSize);
   ASSERT_TRUE(rig) << rig.error().message();
   expect_kitti(*rig, 0.5);
+  // Poses are matrices of 12 numbers too.
+  EXPECT_SAYS(message_of(read_text(text + text, kSize)), "this is no calibration");
 }
 
 TEST_F(RigFormats, KittiRefusals) {

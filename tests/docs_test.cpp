@@ -1,0 +1,89 @@
+// The defaults that docs/pipeline.md tells are those of the program, and all options are told.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "tread/pipeline/rover_mapper.hpp"
+#include "tread/plan/planner.hpp"
+
+namespace tread {
+namespace {
+
+std::vector<std::string> split(const std::string& text, const std::string& separator) {
+  std::vector<std::string> parts;
+  std::size_t begin = 0;
+  for (std::size_t end = text.find(separator); end != std::string::npos;
+       end = text.find(separator, begin)) {
+    parts.push_back(text.substr(begin, end - begin));
+    begin = end + separator.size();
+  }
+  parts.push_back(text.substr(begin));
+  return parts;
+}
+
+struct Told {
+  std::string value;  // the default and what else stands there
+  int line;
+};
+
+// Option names with the defaults told: in tables, | `a.b`, `c` | 1, 2 | for a.b and a.c, and in the
+// text, `a.b` [1].
+std::multimap<std::string, Told> told_defaults(const std::string& path) {
+  std::multimap<std::string, Told> told;
+  std::ifstream file(path);
+  std::string line;
+  for (int number = 1; std::getline(file, line); ++number) {
+    const std::regex inline_default(R"(`([a-z_.]+)` \[([^\]]+)\])");
+    for (std::sregex_iterator match(line.begin(), line.end(), inline_default), end; match != end;
+         ++match) {
+      told.insert({(*match)[1].str(), {(*match)[2].str(), number}});
+    }
+    if (!line.starts_with("| `")) continue;
+    const std::vector<std::string> columns = split(line, " | ");
+    if (columns.size() < 2) continue;
+    const std::vector<std::string> names = split(columns[0].substr(2), ", ");
+    const std::vector<std::string> values = split(columns[1], ", ");
+    std::string group;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      std::string name = names[i].substr(1, names[i].size() - 2);
+      if (i == 0 && name.find('.') != std::string::npos) {
+        group = name.substr(0, name.rfind('.') + 1);
+      } else if (name.find('.') == std::string::npos) {
+        name.insert(0, group);
+      }
+      if (i < values.size()) told.insert({name, {values[i], number}});
+    }
+  }
+  return told;
+}
+
+TEST(PipelinePage, DefaultsAreThoseOfTheProgram) {
+  const auto told = told_defaults(std::string(TREAD_SOURCE_DIR) + "/docs/pipeline.md");
+  RoverMapOptions map;
+  PlannerOptions plan;
+  OptionSet options = describe(map);
+  options.add_group("plan", describe(plan));
+  for (const OptionField& field : options.fields()) {
+    // Told as the ones they stand for, and where they differ.
+    if (field.name.starts_with("stereo.sgm.holes.")) continue;
+    if (field.name.starts_with("stereo.sgm.speckle.")) continue;
+    const auto [first, last] = told.equal_range(field.name);
+    EXPECT_NE(first, last) << "docs/pipeline.md does not tell of " << field.name;
+    for (auto entry = first; entry != last; ++entry) {
+      // "0.5" or "0.5 (paper Q: 1)", but not "0.55".
+      const std::string value = field.print(), &there = entry->second.value;
+      EXPECT_TRUE(there.starts_with(value) &&
+                  (there.size() == value.size() ||
+                   std::string(" ;").find(there[value.size()]) != std::string::npos))
+          << "docs/pipeline.md:" << entry->second.line << ": " << field.name << " is " << value
+          << ", not " << there;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tread
