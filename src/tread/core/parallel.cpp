@@ -1,10 +1,11 @@
 #include "tread/core/parallel.hpp"
 
+#include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cassert>
 
 #if defined(__SANITIZE_THREAD__)
@@ -48,16 +49,19 @@ void detail::run_chunks(const Context& context, int begin, int end, int grain, c
     for (int chunk = 0; chunk < chunks; ++chunk) run_chunk(chunk, 0);
     return;
   }
-  oneapi::tbb::task_arena arena(workers);
+  // As many tasks as workers, each of which takes chunks until there are none: that bounds the
+  // threads without an arena of its own, whose threads would have to be woken for every loop.
   char begun = 0, ended = 0;
   note_done(begun);
-  arena.execute([&] {
-    oneapi::tbb::parallel_for(0, chunks, [&](int chunk) {
-      note_seen(begun);
-      run_chunk(chunk, oneapi::tbb::this_task_arena::current_thread_index());
-      note_done(ended);
-    });
-  });
+  std::atomic<int> next{0};
+  oneapi::tbb::parallel_for(
+      oneapi::tbb::blocked_range<int>(0, std::min(workers, chunks), 1),
+      [&](const oneapi::tbb::blocked_range<int>& range) {
+        note_seen(begun);
+        for (int chunk = next++; chunk < chunks; chunk = next++) run_chunk(chunk, range.begin());
+        note_done(ended);
+      },
+      oneapi::tbb::simple_partitioner());
   note_seen(ended);
 }
 
