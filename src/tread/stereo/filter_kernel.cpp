@@ -84,6 +84,12 @@ HWY_INLINE hn::Vec<D> median_at(D d, const Disparity* above, const Disparity* he
   hn::Vec<D> v[8] = {hn::LoadU(d, above - 1), hn::LoadU(d, above),    hn::LoadU(d, above + 1),
                      hn::LoadU(d, here - 1),  hn::LoadU(d, here + 1), hn::LoadU(d, below - 1),
                      hn::LoadU(d, below),     hn::LoadU(d, below + 1)};
+  // Most holes lie among holes.
+  auto known = hn::Zero(d);
+  for (const auto& value : v) known = hn::Sub(known, hn::VecFromMask(d, hn::Ne(value, hole)));
+  const auto enough = hn::Set(d, static_cast<Disparity>(rule.min_known - 1));
+  const auto fillable = hn::And(hn::Gt(known, enough), hn::Eq(hn::LoadU(d, here), hole));
+  if (hn::AllFalse(d, fillable)) return hole;
   constexpr int kNetwork[19][2] = {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3}, {4, 6},
                                    {5, 7}, {1, 2}, {5, 6}, {0, 4}, {1, 5}, {2, 6}, {3, 7},
                                    {2, 4}, {3, 5}, {1, 2}, {3, 4}, {5, 6}};
