@@ -1,5 +1,5 @@
-// Cost: the tables of a 640 x 480 pair some 40 ms, once; remap about 3 ns a grey pixel, 6 ns a
-// coloured one, on one thread.
+// Cost: the tables of a 640 x 480 pair some 40 ms, once; remap of a grey image 0.2 ms with AVX-512,
+// 0.35 with AVX2, 0.6 with SSE4; of a coloured one 2 ms, on one thread.
 #include "tread/geometry/rectification.hpp"
 
 #include <cassert>
@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "tread/core/parallel.hpp"
+#include "tread/geometry/remap_kernel.hpp"
 
 namespace tread {
 namespace {
@@ -98,54 +99,40 @@ RemapTable identity_table(const ImageSize& size) {
   return table;
 }
 
-// The mean of the four pixels around a place, weighted in 1/32, rounded to the nearest.
-std::uint8_t blend(int a, int b, int c, int d, int right, int below) {
-  constexpr int kHalf = kUnit * kUnit / 2;
-  const int upper = a * (kUnit - right) + b * right;
-  const int lower = c * (kUnit - right) + d * right;
-  const int sum = upper * (kUnit - below) + lower * below + kHalf;
-  return static_cast<std::uint8_t>(sum >> (2 * RemapTable::kFractionBits));
+Rgb between_four(Rgb a, Rgb b, Rgb c, Rgb d, int u, int v) {
+  return {tread::between_four(a.r, b.r, c.r, d.r, u, v),
+          tread::between_four(a.g, b.g, c.g, d.g, u, v),
+          tread::between_four(a.b, b.b, c.b, d.b, u, v)};
 }
 
-Rgb blend(Rgb a, Rgb b, Rgb c, Rgb d, int right, int below) {
-  return {blend(a.r, b.r, c.r, d.r, right, below), blend(a.g, b.g, c.g, d.g, right, below),
-          blend(a.b, b.b, c.b, d.b, right, below)};
-}
-
-template <class Pixel>
-void remap_rows(ImageView<const Pixel> input, const RemapTable& table, ImageView<Pixel> output,
-                int first_row, int last_row) {
-  const auto width = static_cast<std::uint32_t>(input.width);
-  const auto height = static_cast<std::uint32_t>(input.height);
-  for (int v = first_row; v < last_row; ++v) {
-    const RemapTable::Entry* entry = table.entries.row(v);
-    Pixel* out = output.row(v);
-    for (int u = 0; u < output.width; ++u, ++entry, ++out) {
-      const int x = entry->u >> RemapTable::kFractionBits;
-      const int y = entry->v >> RemapTable::kFractionBits;
-      // kOutside is negative, so far outside as an unsigned number.
-      if (static_cast<std::uint32_t>(x) >= width || static_cast<std::uint32_t>(y) >= height) {
-        *out = Pixel{};
-        continue;
-      }
-      // On the last column and row the weight of the neighbour is 0: any pixel will do.
-      const int next_x = x + (x + 1 < input.width ? 1 : 0);
-      const Pixel* upper = input.row(y);
-      const Pixel* lower = input.row(y + (y + 1 < input.height ? 1 : 0));
-      *out = blend(upper[x], upper[next_x], lower[x], lower[next_x], entry->u & (kUnit - 1),
-                   entry->v & (kUnit - 1));
+void remap_coloured_row(ImageView<const Rgb> input, const RemapTable::Entry* entry, int width,
+                        Rgb* out) {
+  for (int u = 0; u < width; ++u, ++entry, ++out) {
+    const int x = entry->u >> RemapTable::kFractionBits;
+    const int y = entry->v >> RemapTable::kFractionBits;
+    if (x < 0 || y < 0 || x >= input.width || y >= input.height) {
+      *out = Rgb{};
+      continue;
     }
+    // On the last column and row the weight of the neighbour is 0: any pixel will do.
+    const int next_x = x + (x + 1 < input.width ? 1 : 0);
+    const Rgb* upper = input.row(y);
+    const Rgb* lower = input.row(y + (y + 1 < input.height ? 1 : 0));
+    *out = between_four(upper[x], upper[next_x], lower[x], lower[next_x], entry->u & (kUnit - 1),
+                        entry->v & (kUnit - 1));
   }
 }
 
-template <class Pixel>
+template <class Pixel, class RemapRow>
 void remap_image(ImageView<const Pixel> input, const RemapTable& table, ImageView<Pixel> output,
-                 const Context& context) {
+                 const RemapRow& remap_one, const Context& context) {
   assert(same_size(input, table.entries) && same_size(output, table.entries));
   const ScopedTimer timer(context, "rectify/remap");
   constexpr int kRowsPerChunk = 32;
   parallel_chunks(context, 0, output.height, kRowsPerChunk, [&](int first_row, int last_row) {
-    remap_rows(input, table, output, first_row, last_row);
+    for (int v = first_row; v < last_row; ++v) {
+      remap_one(input, table.entries.row(v), output.width, output.row(v));
+    }
   });
 }
 
@@ -190,12 +177,12 @@ Result<Rectification> make_rectification(const StereoRig& rig,
 
 void remap(ImageView<const std::uint8_t> input, const RemapTable& table,
            ImageView<std::uint8_t> output, const Context& context) {
-  remap_image(input, table, output, context);
+  remap_image(input, table, output, remap_row, context);
 }
 
 void remap(ImageView<const Rgb> input, const RemapTable& table, ImageView<Rgb> output,
            const Context& context) {
-  remap_image(input, table, output, context);
+  remap_image(input, table, output, remap_coloured_row, context);
 }
 
 }  // namespace tread

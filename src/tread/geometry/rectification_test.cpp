@@ -4,6 +4,9 @@
 
 #include <cmath>
 #include <random>
+#include <vector>
+
+#include "instruction_sets.hpp"
 
 namespace tread {
 namespace {
@@ -266,7 +269,8 @@ TEST(Remap, LastRowAndColumnAreReached) {
   EXPECT_EQ(output(1, 1), 0);
 }
 
-TEST(Remap, ColourIsThreeTimesGrey) {
+// Grey rows are vectorised, coloured ones are not.
+TEST(Remap, GreyIsOneOfThreeColoursOnEveryInstructionSet) {
   const Rectification made = make_rectification(brown_rig()).value();
   Image<Rgb> colour(320, 240), colour_out(320, 240);
   Image<std::uint8_t> grey[3], grey_out(320, 240);
@@ -279,15 +283,49 @@ TEST(Remap, ColourIsThreeTimesGrey) {
     }
   }
   remap(colour, made.left, colour_out);
-  for (int c = 0; c < 3; ++c) {
-    remap(grey[c], made.left, grey_out);
-    for (int v = 0; v < 240; ++v) {
-      for (int u = 0; u < 320; ++u) {
-        const Rgb at = colour_out(u, v);
-        ASSERT_EQ(grey_out(u, v), (c == 0 ? at.r : c == 1 ? at.g : at.b));
+  testing::on_every_target([&] {
+    for (int c = 0; c < 3; ++c) {
+      remap(grey[c], made.left, grey_out);
+      for (int v = 0; v < 240; ++v) {
+        for (int u = 0; u < 320; ++u) {
+          const Rgb at = colour_out(u, v);
+          ASSERT_EQ(grey_out(u, v), (c == 0 ? at.r : c == 1 ? at.g : at.b));
+        }
       }
     }
-  }
+  });
+}
+
+// Images of exactly their pixels, so that a sanitizer sees a read behind them; widths that end
+// within a vector; entries anywhere, also outside.
+TEST(Remap, AnySizeWithoutAByteToSpare) {
+  testing::on_every_target([] {
+    std::mt19937 random(11);
+    for (int round = 0; round < 300; ++round) {
+      const int width = 1 + static_cast<int>(random() % 40);
+      const int height = 1 + static_cast<int>(random() % 6);
+      std::vector<std::uint8_t> pixels(static_cast<std::size_t>(width * height));
+      for (auto& p : pixels) p = static_cast<std::uint8_t>(random());
+      const ImageView<const std::uint8_t> input{pixels.data(), width, height, width};
+      RemapTable table;
+      table.entries = Image<RemapTable::Entry>(width, height);
+      Image<Rgb> coloured(width, height), expected(width, height);
+      for (int v = 0; v < height; ++v) {
+        for (int u = 0; u < width; ++u) {
+          coloured(u, v) = {input(u, v), 0, 0};
+          if (random() % 4 == 0) continue;
+          table.entries(u, v) = {static_cast<std::int32_t>(random() % (32U * (width - 1) + 1)),
+                                 static_cast<std::int32_t>(random() % (32U * (height - 1) + 1))};
+        }
+      }
+      Image<std::uint8_t> output(width, height, 1);
+      remap(input, table, output);
+      remap(coloured, table, expected);
+      for (int v = 0; v < height; ++v) {
+        for (int u = 0; u < width; ++u) ASSERT_EQ(output(u, v), expected(u, v).r);
+      }
+    }
+  });
 }
 
 TEST(Remap, ThreadsDoNotChangeTheResult) {

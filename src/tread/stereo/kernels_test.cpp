@@ -2,7 +2,6 @@
 // machine has. The images are exactly as large as their pixels, so that a sanitizer sees a read
 // behind them.
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <algorithm>
 #include <array>
@@ -10,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "instruction_sets.hpp"
 #include "tread/stereo/edge_image.hpp"
 #include "tread/stereo/filter_kernel.hpp"
 #include "tread/stereo/sad_plain.hpp"
@@ -18,16 +18,7 @@
 namespace tread {
 namespace {
 
-// Runs the body once for each instruction set.
-template <class Body>
-void on_every_target(const Body& body) {
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    SCOPED_TRACE(hwy::TargetName(target));
-    hwy::SetSupportedTargetsForTest(target);
-    body();
-  }
-  hwy::SetSupportedTargetsForTest(0);
-}
+using testing::on_every_target;
 
 // Pixels without a byte to spare behind them.
 template <class T>
@@ -126,7 +117,7 @@ TEST(SadKernel, EqualsThePlainFormOnEveryInstructionSet) {
   on_every_target([] {
     for (unsigned seed = 1; seed <= 250; ++seed) {
       expect_equal_to_plain(random_case(seed));
-      if (testing::Test::HasFatalFailure()) return;
+      if (::testing::Test::HasFatalFailure()) return;
     }
   });
 }
@@ -148,7 +139,7 @@ TEST(SadKernel, EqualsThePlainFormOnWideImagesAndRanges) {
   on_every_target([&] {
     for (const Case& c : cases) {
       expect_equal_to_plain(c);
-      if (testing::Test::HasFatalFailure()) return;
+      if (::testing::Test::HasFatalFailure()) return;
     }
   });
 }
@@ -232,7 +223,7 @@ TEST(SgmKernel, EqualsThePlainFormOnEveryInstructionSetAndThreadCount) {
     c.options.strict_sub_pixel = below(2) == 0;
     c.options.sub_pixel = below(2) == 0 ? SubPixel::kSymmetricV : SubPixel::kParabola;
     expect_sgm_equal_to_plain(c);
-    if (testing::Test::HasFailure()) return;
+    if (::testing::Test::HasFailure()) return;
   }
 }
 
