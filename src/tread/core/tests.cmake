@@ -2,4 +2,4 @@
 set(here ${CMAKE_CURRENT_LIST_DIR})
 target_sources(tread_tests PRIVATE
   ${here}/grid_test.cpp ${here}/image_test.cpp ${here}/options_test.cpp ${here}/parallel_test.cpp
-  ${here}/problems_test.cpp ${here}/result_test.cpp)
+  ${here}/problems_test.cpp ${here}/raw_image_test.cpp ${here}/result_test.cpp)
