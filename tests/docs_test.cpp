@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tread/io/image_file.hpp"
 #include "tread/pipeline/rover_mapper.hpp"
 #include "tread/plan/planner.hpp"
 
@@ -65,8 +66,10 @@ TEST(PipelinePage, DefaultsAreThoseOfTheProgram) {
   const auto told = told_defaults(std::string(TREAD_SOURCE_DIR) + "/docs/pipeline.md");
   RoverMapOptions map;
   PlannerOptions plan;
+  ImageReading images;
   OptionSet options = describe(map);
   options.add_group("plan", describe(plan));
+  options.add_group("images", describe(images));
   for (const OptionField& field : options.fields()) {
     // Told as the ones they stand for, and where they differ.
     if (field.name.starts_with("stereo.sgm.holes.")) continue;

@@ -19,6 +19,7 @@ constexpr const char* kNumDisparities = "stereo.sad.num_disparities";
 
 OptionSet describe(DepthSettings& settings) {
   OptionSet set;
+  set.add_group("images", describe(settings.images));
   set.add_group("stereo", describe(settings.stereo));
   set.add_group("depth", describe(settings.depth));
   set.add("shrink", settings.shrink, "match images shrunk by this factor", 1, 16);
@@ -30,18 +31,16 @@ OptionSet describe(DepthSettings& settings) {
 }
 
 Status read_images(const DepthArguments& arguments, DepthRun& run) {
-  auto left = read_colour(arguments.left);
-  if (!left) return forward(left);
-  auto right = read_colour(arguments.right);
-  if (!right) return forward(right);
-  auto grey_left = read_grey(arguments.left);
-  if (!grey_left) return forward(grey_left);
-  auto grey_right = read_grey(arguments.right);
-  if (!grey_right) return forward(grey_right);
-  run.colour_left = std::move(*left);
-  run.colour_right = std::move(*right);
-  run.left = std::move(*grey_left);
-  run.right = std::move(*grey_right);
+  const auto read = [&](const std::string& path, Image<std::uint8_t>& grey,
+                        Image<Rgb>& colour) -> Status {
+    auto both = read_grey_and_colour(path, run.settings.images);
+    if (!both) return forward(both);
+    grey = std::move(both->grey);
+    colour = both->colour.empty() ? grey_picture(grey) : std::move(both->colour);
+    return {};
+  };
+  if (Status ok = read(arguments.left, run.left, run.colour_left); !ok) return ok;
+  if (Status ok = read(arguments.right, run.right, run.colour_right); !ok) return ok;
   run.full_size = {run.left.width, run.left.height};
   if (same_size(run.left, run.right)) return {};
   return fail(ErrorCode::kBadFormat,
@@ -87,7 +86,7 @@ Status rectify(const DepthArguments& arguments, const Context& context, DepthRun
 
 OptionSet profile_settings(const DepthArguments& arguments, DepthSettings& settings) {
   if (arguments.profile == "paper-q")
-    settings = {paper_q_stereo_options(), DepthOptions{}, 1, false};
+    settings = {paper_q_stereo_options(), DepthOptions{}, 1, false, {}};
   return describe(settings);
 }
 

@@ -28,6 +28,7 @@ struct MapArguments {
 };
 
 struct MapSettings {
+  ImageReading images;
   RoverMapOptions map;
   PlannerOptions plan;
 };
@@ -36,6 +37,7 @@ constexpr const char* kPlanUnexplored = "plan.unexplored_cost";
 
 OptionSet describe(MapSettings& settings) {
   OptionSet set = describe(settings.map);
+  set.add_group("images", describe(settings.images));
   set.add_group("plan", describe(settings.plan));
   return set;
 }
@@ -256,7 +258,8 @@ int run_map(const MapArguments& arguments) {
        {std::pair{"--start", &arguments.start}, std::pair{"--goal", &arguments.goal}}) {
     if (Status s = check_place(option, *place); !s) return print_error(s.error());
   }
-  const auto source = open_stereo_source(arguments.source, {arguments.rig, arguments.poses});
+  const auto source =
+      open_stereo_source(arguments.source, {arguments.rig, arguments.poses, settings.images});
   if (!source) return print_error(source.error());
   auto mapper = RoverMapper::make((*source)->rig(), settings.map);
   if (!mapper) return print_error(mapper.error());

@@ -6,6 +6,7 @@
 
 #include "command.hpp"
 #include "tread/geometry/rectification.hpp"
+#include "tread/io/image_file.hpp"
 #include "tread/stereo/depth.hpp"
 #include "tread/stereo/stereo_matcher.hpp"
 
@@ -16,6 +17,7 @@ struct DepthSettings {
   DepthOptions depth{0.0, 1e4};
   int shrink = 1;
   bool auto_num_disparities = true;
+  ImageReading images = {};
 };
 
 struct DepthArguments {

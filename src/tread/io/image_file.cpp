@@ -4,11 +4,13 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <exception>
 #include <new>
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
 
+#include "tread/core/raw_image.hpp"
 #include "tread/io/atomic_file.hpp"
 #include "tread/io/image_codecs.hpp"
 #include "tread/io/image_header.hpp"
@@ -120,14 +122,30 @@ void for_each_pixel(const cv::Mat& image, const Each& each) {
   }
 }
 
-// ITU-R BT.601; a grey pixel keeps its value.
-std::uint8_t luma(const Rgb& c) {
-  return static_cast<std::uint8_t>((299 * c.r + 587 * c.g + 114 * c.b + 500) / 1000);
-}
-
-Image<std::uint8_t> to_grey(const cv::Mat& image) {
-  Image<std::uint8_t> grey(image.cols, image.rows);
-  for_each_pixel(image, [&](int x, int y, const Rgb& c) { grey(x, y) = luma(c); });
+Result<Image<std::uint8_t>> grey_of(const cv::Mat& image, const ImageReading& reading,
+                                    const fs::path& path) {
+  RawImage raw{image.data, image.cols, image.rows, static_cast<std::ptrdiff_t>(image.step[0])};
+  raw.bits = reading.bits;
+  const bool deep = image.depth() == CV_16U, coloured = image.channels() == 3;
+  if (coloured && reading.bayer) {
+    return fail(ErrorCode::kBadFormat, "it has colours and is no raw mosaic", path.string(),
+                "Set images.bayer to false");
+  }
+  cv::Mat shallow;
+  if (coloured && deep) {
+    image.convertTo(shallow, CV_8U, std::ldexp(1.0, 8 - reading.bits), -0.498);  // rounds down
+    raw.data = shallow.data;
+    raw.row_bytes = static_cast<std::ptrdiff_t>(shallow.step[0]);
+  }
+  if (coloured) {
+    raw.format = PixelFormat::kBgr8;
+  } else if (reading.bayer) {
+    raw.format = deep ? PixelFormat::kBayer16 : PixelFormat::kBayer8;
+  } else {
+    raw.format = deep ? PixelFormat::kGrey16 : PixelFormat::kGrey8;
+  }
+  Image<std::uint8_t> grey;
+  if (Status ok = to_grey(raw, grey); !ok) return forward(ok);
   return grey;
 }
 
@@ -189,10 +207,17 @@ Result<std::string> encode_colour(ImageView<const Rgb> image, const std::string&
 
 }  // namespace
 
-Result<Image<std::uint8_t>> read_grey(const fs::path& path) {
+OptionSet describe(ImageReading& reading) {
+  OptionSet set;
+  set.add("bits", reading.bits, "of 16-bit images: how many the camera fills", 8, 16);
+  set.add("bayer", reading.bayer, "grey images are the raw Bayer mosaic of a colour sensor");
+  return set;
+}
+
+Result<Image<std::uint8_t>> read_grey(const fs::path& path, const ImageReading& reading) {
   const auto decoded = read_image(path);
   if (!decoded) return forward(decoded);
-  return to_grey(decoded->image);
+  return grey_of(decoded->image, reading, path);
 }
 
 Result<Image<Rgb>> read_colour(const fs::path& path) {
@@ -201,11 +226,13 @@ Result<Image<Rgb>> read_colour(const fs::path& path) {
   return to_colour(decoded->image);
 }
 
-Result<GreyAndColour> read_grey_and_colour(const fs::path& path) {
+Result<GreyAndColour> read_grey_and_colour(const fs::path& path, const ImageReading& reading) {
   const auto decoded = read_image(path);
   if (!decoded) return forward(decoded);
+  auto grey = grey_of(decoded->image, reading, path);
+  if (!grey) return forward(grey);
   GreyAndColour both;
-  both.grey = to_grey(decoded->image);
+  both.grey = std::move(*grey);
   if (decoded->header.colour) both.colour = to_colour(decoded->image);
   return both;
 }

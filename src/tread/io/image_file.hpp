@@ -10,14 +10,22 @@
 #include <string>
 
 #include "tread/core/image.hpp"
+#include "tread/core/options.hpp"
 #include "tread/core/result.hpp"
 #include "tread/geometry/camera.hpp"
 
 namespace tread {
 
-// 8-bit grey; colour is converted (BT.601), 16-bit is divided by 256. A palette gives its colours,
-// alpha is left out.
-[[nodiscard]] Result<Image<std::uint8_t>> read_grey(const std::filesystem::path& path);
+// What a file does not say of itself.
+struct ImageReading {
+  int bits = 16;       // of 16-bit files: how many the camera fills; 8 to 16
+  bool bayer = false;  // grey files are the raw mosaic of a colour sensor
+};
+[[nodiscard]] OptionSet describe(ImageReading& reading);
+
+// 8-bit grey, see to_grey in core/raw_image.hpp. A palette gives its colours, alpha is left out.
+[[nodiscard]] Result<Image<std::uint8_t>> read_grey(const std::filesystem::path& path,
+                                                    const ImageReading& reading = {});
 // Colour as red, green, blue; a grey file gives three equal channels.
 [[nodiscard]] Result<Image<Rgb>> read_colour(const std::filesystem::path& path);
 // One channel, 16 bits, exactly as stored; 8-bit files are refused.
@@ -32,7 +40,8 @@ struct GreyAndColour {
   Image<std::uint8_t> grey;
   Image<Rgb> colour;
 };
-[[nodiscard]] Result<GreyAndColour> read_grey_and_colour(const std::filesystem::path& path);
+[[nodiscard]] Result<GreyAndColour> read_grey_and_colour(const std::filesystem::path& path,
+                                                         const ImageReading& reading = {});
 
 [[nodiscard]] Status write_png(const std::filesystem::path& path,
                                ImageView<const std::uint8_t> image);

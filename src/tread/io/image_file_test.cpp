@@ -278,5 +278,31 @@ TEST(ImageFile, InterlacedPngIsRead) {
   EXPECT_EQ((*image)(1, 0), 0x99);
 }
 
+TEST(ReadGrey, DeepImagesOfFewerBitsAndMosaics) {
+  const ScratchFolder folder;
+  Image<std::uint16_t> deep(4, 2);
+  Image<std::uint8_t> mosaic(4, 2);
+  for (int y = 0; y < 2; ++y) {
+    for (int x = 0; x < 4; ++x) {
+      deep(x, y) = static_cast<std::uint16_t>(16 * (10 * x + y) + 9);  // 12 bits
+      mosaic(x, y) = static_cast<std::uint8_t>(x % 2 == y % 2 ? (y == 0 ? 200 : 40) : 80);
+    }
+  }
+  ASSERT_TRUE(write_png(folder / "deep.png", deep.view()));
+  ASSERT_TRUE(write_png(folder / "mosaic.png", mosaic.view()));
+  const auto grey = read_grey(folder / "deep.png", {12, false});
+  ASSERT_TRUE(grey);
+  EXPECT_EQ((*grey)(3, 1), 31);
+  EXPECT_EQ((*read_grey(folder / "deep.png"))(3, 1), 1);
+  const auto smooth = read_grey(folder / "mosaic.png", {16, true});
+  ASSERT_TRUE(smooth);
+  EXPECT_EQ((*smooth)(2, 1), 100);
+  ASSERT_TRUE(write_png(folder / "colour.png", Image<Rgb>(3, 3, Rgb{1, 2, 3}).view()));
+  const auto coloured = read_grey(folder / "colour.png", {16, true});
+  ASSERT_FALSE(coloured);
+  EXPECT_NE(coloured.error().message().find("no raw mosaic"), std::string::npos);
+  EXPECT_FALSE(read_grey(folder / "deep.png", {7, false}));
+}
+
 }  // namespace
 }  // namespace tread

@@ -28,8 +28,9 @@ constexpr double kKittiCameraHeight_m = 1.65;  // Geiger, Lenz, Stiller, Urtasun
 class FolderSource : public StereoSource {
  public:
   FolderSource(StereoFolder folder, StereoRig rig, std::vector<std::optional<Isometry3d>> poses,
-               std::vector<Error> problems)
+               std::vector<Error> problems, const ImageReading& reading)
       : folder_(std::move(folder)),
+        reading_(reading),
         rig_(std::move(rig)),
         poses_(std::move(poses)),
         problems_(std::move(problems)) {}
@@ -54,6 +55,7 @@ class FolderSource : public StereoSource {
   [[nodiscard]] Status check_size(ImageView<const std::uint8_t> image, const fs::path& path) const;
 
   StereoFolder folder_;
+  ImageReading reading_;
   StereoRig rig_;
   std::vector<std::optional<Isometry3d>> poses_;  // none, or one a frame
   std::vector<Error> problems_;
@@ -76,9 +78,9 @@ Result<std::optional<StereoFrame>> FolderSource::read(std::size_t index) const {
                 fmt::format("there is no {} image of this name", no_left ? "left" : "right"),
                 (no_left ? from.right : from.left).string(), "Add it, or move this one away");
   }
-  auto left = read_grey_and_colour(from.left);
+  auto left = read_grey_and_colour(from.left, reading_);
   if (!left) return forward(left);
-  auto right = read_grey(from.right);
+  auto right = read_grey(from.right, reading_);
   if (!right) return forward(right);
   if (const Status size = check_size(left->grey, from.left); !size) return forward(size);
   if (const Status size = check_size(*right, from.right); !size) return forward(size);
@@ -350,7 +352,7 @@ Result<std::unique_ptr<StereoSource>> open_stereo_source(const fs::path& path,
     poses = poses_of_frames(*read, *folder, cameras.rig, cameras.T_0_2);
   }
   return std::make_unique<FolderSource>(std::move(*folder), std::move(cameras.rig),
-                                        std::move(poses), std::move(problems));
+                                        std::move(poses), std::move(problems), options.images);
 }
 
 }  // namespace tread

@@ -10,6 +10,7 @@
 #include "tread/geometry/samples.hpp"
 #include "tread/geometry/stereo_rig.hpp"
 #include "tread/geometry/trajectory.hpp"
+#include "tread/io/image_file.hpp"
 
 namespace tread {
 
@@ -38,6 +39,7 @@ class StereoSource {
 struct SourceOptions {
   std::string rig;    // rig file or name, see read_rig; empty: what the folder brings
   std::string poses;  // trajectory file (TUM, or KITTI); empty: what the folder brings
+  ImageReading images = {};
 };
 
 // `path` is one of
