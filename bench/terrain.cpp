@@ -116,8 +116,8 @@ int main(int argc, char** argv) {
     const Context context{1, &timings};
     const double start_ms = cpu_ms();
     ground.heights_below(local_grid, pose, known, context);
-    const Grid<float>& height =
-        builder.build(cloud.points, mount.T_body_left, local_grid, local_options, &known, context);
+    const Grid<float>& height = builder.build(cloud.points, mount.T_body_left, local_grid,
+                                              local_options, {&known}, context);
     sobel_squared(height, derivative, context);
     if (!ground.integrate(height, derivative, pose, {}, context)) return 1;
     cost.update(ground, ground.take_changes(), context);

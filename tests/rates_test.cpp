@@ -105,7 +105,7 @@ TEST(Rates, PaperRMapBuildingAt20Hz) {
   const double seconds = best_seconds(10, [&] {
     const LevelPose pose{{x, 0.0, 0.0}, 0.1 * x};
     ground.heights_below(cells, pose, known);
-    const Grid<float>& height = builder.build(points, mount.T_body_left, cells, {}, &known);
+    const Grid<float>& height = builder.build(points, mount.T_body_left, cells, {}, {&known});
     sobel_squared(height, derivative);
     ASSERT_TRUE(ground.integrate(height, derivative, pose, {}));
     const std::vector<Cell> changes = ground.take_changes();

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -89,6 +90,43 @@ TEST(StereoAccuracy, SgmBeatsThreeWaySgbmInBothFiguresOnEverySet) {
     ASSERT_TRUE(ours.contains(r.set)) << r.set;
     EXPECT_GE(ours[r.set].density, r.density) << r.set;
     EXPECT_LE(ours[r.set].bad2, r.bad2) << r.set;
+  }
+}
+
+// Of the matches of each set the surer half has less than a third of the errors.
+TEST(StereoUncertainty, SureMatchesAreRightMoreOften) {
+  TREAD_NEEDS_DATA(stereo, "stereo");
+  const auto pairs = bench::load_stereo_pairs(stereo.parent_path());
+  ASSERT_TRUE(pairs);
+  for (const StereoMethod method : {StereoMethod::kSad, StereoMethod::kSgm}) {
+    std::map<std::string, std::array<std::array<double, 2>, 256>> seen;  // [residual]: all, wrong
+    StereoMatcher matcher;
+    for (const bench::StereoPair& pair : *pairs) {
+      StereoOptions options;
+      options.method = method;
+      options.rate = true;
+      options.sad.num_disparities = pair.num_disparities;
+      const auto disparity = matcher.match(pair.left, pair.right, options);
+      ASSERT_TRUE(disparity);
+      for (int y = 0; y < pair.truth.height; ++y) {
+        for (int x = 0; x < pair.truth.width; ++x) {
+          const Disparity d = (*disparity)(x, y);
+          if (d == kNoMatch || !std::isfinite(pair.truth(x, y))) continue;
+          auto& [all, wrong] = seen[pair.set][matcher.residual()(x, y)];
+          ++all;
+          wrong += std::fabs(disparity_px(d) - pair.truth(x, y)) > 1.0F ? 1.0 : 0.0;
+        }
+      }
+    }
+    for (const auto& [set, by_residual] : seen) {
+      double all = 0.0, sure_all = 0.0, sure_wrong = 0.0, wrong = 0.0;
+      for (const auto& [n, w] : by_residual) all += n, wrong += w;
+      for (const auto& [n, w] : by_residual) {
+        if (sure_all > 0.5 * all) break;
+        sure_all += n, sure_wrong += w;
+      }
+      EXPECT_LT(sure_wrong, wrong / 3.0) << set;
+    }
   }
 }
 

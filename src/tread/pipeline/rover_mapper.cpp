@@ -8,6 +8,7 @@
 
 #include "tread/core/shrink.hpp"
 #include "tread/stereo/disparity_range.hpp"
+#include "tread/stereo/uncertainty.hpp"
 
 namespace tread {
 namespace {
@@ -59,6 +60,8 @@ OptionSet describe(RoverMapOptions& options) {
                     "see as far as a quarter of a pixel is one cell of the map; off where "
                     "max_depth_m is given alone",
                     "depth.max_depth_m");
+  set.add("weigh_points", options.weigh_points,
+          "weigh the points of a cell by how sure their matches are");
   set.add_group("local", describe(options.local));
   set.add_group("global", describe(options.global));
   set.add_group("cost", describe(options.cost));
@@ -110,6 +113,7 @@ Result<RoverMapper> RoverMapper::make_mapper(const StereoRig& full_rig,
   mapper.T_body_points_ = mount.T_body_left * Isometry3d(R_left_points);
 
   RoverMapOptions& own = mapper.options_;
+  own.stereo.rate = own.stereo.rate || own.weigh_points;
   if (own.extend_range) {
     const double extended = quarter_pixel_range(mapper.rig_, own.local.resolution_m);
     own.depth.max_depth_m =
@@ -228,6 +232,9 @@ Result<RoverFrame> RoverMapper::take(const StereoFrame& frame, const Context& co
   if (!disparity) return forward(disparity);
   depth_image(*disparity, rig_, options_.depth, depth_, context);
   depth_cloud(depth_, rig_, options_.stereo.sad.reference, {}, cloud_, context);
+  if (options_.weigh_points) {
+    depth_sigmas(depth_, matcher_.residual(), rig_, options_.stereo.method, sigma_m_);
+  }
 
   const Isometry3d T_level_points =
       Isometry3d(R_level_body(T_world_body.linear())) * T_body_points_;
@@ -237,8 +244,8 @@ Result<RoverFrame> RoverMapper::take(const StereoFrame& frame, const Context& co
       local_cells(view_from_above(rig_, T_level_points, options_.depth.max_depth_m),
                   options_.local.resolution_m);
   ground_.heights_below(cells, result.pose, known_heights_, context);
-  const Grid<float>& height =
-      local_.build(cloud_.points, T_level_points, cells, options_.local, &known_heights_, context);
+  const Grid<float>& height = local_.build(cloud_.points, T_level_points, cells, options_.local,
+                                           {&known_heights_, sigma_m_}, context);
   sobel_squared(height, derivative_, context);
   if (Status ok = ground_.integrate(height, derivative_, result.pose, options_.global, context);
       !ok) {

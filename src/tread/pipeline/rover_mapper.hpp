@@ -27,6 +27,8 @@ struct RoverMapOptions {
   // cell of the map. On paper R's camera (0.12 m baseline, 1024 px wide) that is 6.2 m with its
   // lenses of 3.8 mm and would be 5.1 m with those of 2.5 mm; the paper says 6 m.
   bool extend_range = true;
+  // Weigh the points of a cell by how sure their matches are (stereo/uncertainty.hpp).
+  bool weigh_points = false;
   LocalMapOptions local;
   GlobalMapOptions global;  // max_map_mib bounds the grid of costs too
   CostOptions cost;
@@ -37,11 +39,11 @@ struct RoverMapOptions {
 struct RoverFrame {
   ImageView<const std::uint8_t> left;  // rectified
   ImageView<const Disparity> disparity;
-  ImageView<const float> depth;             // metres
-  const PointCloud* cloud = nullptr;        // rectified left optical axes
+  ImageView<const float> depth;                        // metres
+  const PointCloud* cloud = nullptr;                   // rectified left optical axes
   Isometry3d T_level_points = Isometry3d::Identity();  // from those into the levelled frame
-  const Grid<float>* height = nullptr;      // local, levelled
-  const Grid<float>* derivative = nullptr;  // local
+  const Grid<float>* height = nullptr;                 // local, levelled
+  const Grid<float>* derivative = nullptr;             // local
   LevelPose pose;
   std::size_t changed_cells = 0;
   // Set if the maps began anew with this frame, and why: the frames before it stood at another
@@ -107,6 +109,7 @@ class RoverMapper {
   Image<std::uint8_t> right_;
   Image<float> depth_;
   PointCloud cloud_;
+  std::vector<float> sigma_m_;  // of its points, if they are weighed
   Grid<float> known_heights_;
   Grid<float> derivative_;
 };

@@ -220,15 +220,20 @@ TEST(RoverMapper, OneGroundWhateverTheMount) {
   }
 }
 
-TEST(RoverMapper, ShrunkImagesGiveTheSameGround) {
+class RoverMapperGround : public ::testing::TestWithParam<bool> {};
+
+// Half the pixels, or points weighed by how sure they are.
+TEST_P(RoverMapperGround, IsTheSame) {
   RoverMapOptions options;
-  options.shrink = 2;
+  options.shrink = GetParam() ? 2 : 1;
+  options.weigh_points = !GetParam();
   auto mapper = RoverMapper::make(rover_rig(), options);
   ASSERT_TRUE(mapper);
+  EXPECT_EQ(mapper->options().stereo.rate, options.weigh_points);
   const auto frame = mapper->add(drive()[0]);
   ASSERT_TRUE(frame) << frame.error().message();
-  EXPECT_EQ(frame->left.width, 160);
-  // Half the pixels: the even ground to 3 cm, and the block where it stands.
+  EXPECT_EQ(frame->left.width, 320 / options.shrink);
+  // The even ground to 3 cm, and the block where it stands.
   const Grid<float>& height = *frame->height;
   int known = 0, high = 0, on_block = 0;
   double squares = 0.0;
@@ -251,6 +256,8 @@ TEST(RoverMapper, ShrunkImagesGiveTheSameGround) {
   EXPECT_GT(high, 20);
   EXPECT_GE(on_block, high * 9 / 10);
 }
+INSTANTIATE_TEST_SUITE_P(Ways, RoverMapperGround, ::testing::Bool(),
+                         [](const auto& way) { return way.param ? "shrunk" : "weighed"; });
 
 // Which image the disparities belong to does not move the ground: the block's left side stays where
 // it is, y = 0.6 m. A cloud in the wrong camera's axes is a baseline, 0.2 m, beside it.

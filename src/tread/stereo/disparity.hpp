@@ -15,6 +15,18 @@ inline constexpr int kDisparityScale = 64;
 inline constexpr Disparity kNoMatch = 0xFFFF;
 inline constexpr int kMaxDisparity = 1022;  // px, of any search range
 
+// What is left at a match: its cost over the slope of the cost beside it, max(l, r) - c, in 1/16.
+// The noise of a cost grows with the cost, and moves its minimum the more the flatter that lies:
+// see uncertainty.hpp. kNoResidual: as large or larger, no minimum, filled, or no match.
+inline constexpr int kResidualScale = 16;
+inline constexpr std::uint8_t kNoResidual = 255;
+
+// Where matching writes to: images of one size; `residual` may be empty, it is then not made.
+struct MatchOutput {
+  ImageView<Disparity> disparity;
+  ImageView<std::uint8_t> residual = {};
+};
+
 [[nodiscard]] constexpr float disparity_px(Disparity d) {
   return static_cast<float>(d) / static_cast<float>(kDisparityScale);
 }

@@ -77,12 +77,14 @@ void expect_equal_to_plain(const Case& c) {
   }
   images.other = shifted.view();
   Image<Disparity> expected(c.width, c.height, 1), found(c.width, c.height, 2);
-  match_rows_plain(images, c.options, 0, c.height, expected);
+  Image<std::uint8_t> expected_residual(c.width, c.height, 1), residual(c.width, c.height, 2);
+  match_rows_plain(images, c.options, 0, c.height, {expected, expected_residual});
   Image<std::uint8_t> memory;
   const int middle = c.height / 2;
-  match_rows(images, c.options, 0, middle, memory, found);
-  match_rows(images, c.options, middle, c.height, memory, found);
+  match_rows(images, c.options, 0, middle, memory, {found, residual});
+  match_rows(images, c.options, middle, c.height, memory, {found, residual});
   ASSERT_TRUE(found == expected) << c;
+  ASSERT_TRUE(residual == expected_residual) << c;
 }
 
 Case random_case(unsigned seed) {
@@ -187,13 +189,15 @@ void expect_sgm_equal_to_plain(const SgmCase& c) {
   const auto match = [&](int threads) {
     SgmMatcher matcher;
     Image<Disparity> found(c.width, c.height, 2);
+    Image<std::uint8_t> residual(c.width, c.height, 2);
     Context context;
     context.threads = threads;
-    matcher.match(left.view(), right.view(), left_edges, right_edges, c.options, found, context);
-    return found;
+    matcher.match(left.view(), right.view(), left_edges, right_edges, c.options, found, &residual,
+                  context);
+    return std::pair(std::move(found), std::move(residual));
   };
   hwy::SetSupportedTargetsForTest(HWY_STATIC_TARGET);  // the plain form
-  const Image<Disparity> expected = match(1);
+  const auto expected = match(1);
   on_every_target([&] {
     ASSERT_TRUE(match(1) == expected)
         << c.width << "x" << c.height << " disparities " << c.options.min_disparity_px << "+"
@@ -201,7 +205,7 @@ void expect_sgm_equal_to_plain(const SgmCase& c) {
     ASSERT_TRUE(match(2) == expected);
   });
   if (c.width > 60 && c.options.num_disparities > 4) {
-    EXPECT_GT(disparity_density(expected), 0.02) << c.seed << " tests nothing";
+    EXPECT_GT(disparity_density(expected.first), 0.02) << c.seed << " tests nothing";
   }
 }
 

@@ -23,8 +23,8 @@ namespace {
 #if HWY_TARGET == HWY_SCALAR || \
     HWY_TARGET == HWY_EMU128  // nothing to vectorise with: a machine older than SSE4
 void match_rows_here(const SadImages& images, const SadOptions& options, int first, int last,
-                     Image<std::uint8_t>& /*memory*/, Image<Disparity>& disparity) {
-  match_rows_plain(images, options, first, last, disparity);
+                     Image<std::uint8_t>& /*memory*/, const MatchOutput& out) {
+  match_rows_plain(images, options, first, last, out);
 }
 #else
 constexpr int kBlock = 16;                // pixels scanned before the results are looked at
@@ -71,7 +71,7 @@ class Band {
     for (int d = 0; d < padded_; ++d) lane_[cost_place(d)] = static_cast<std::int16_t>(d);
   }
 
-  void match(int first, int last, Image<Disparity>& disparity) {
+  void match(int first, int last, const MatchOutput& out) {
     for (int y = first - radius_y_; y < first + radius_y_; ++y) {
       load_row(y, left_in_, right_in_);
       sum_columns();
@@ -81,7 +81,7 @@ class Band {
       load_row(y + radius_y_, left_in_, right_in_);
       if (y > first) load_row(y - radius_y_ - 1, left_out_, right_out_);
       match_columns();
-      finish_row(disparity.row(y));
+      finish_row(out.disparity.row(y), out.residual.empty() ? nullptr : out.residual.row(y));
     }
   }
 
@@ -400,9 +400,10 @@ class Band {
     return std::min(width_, options_.reduced_range_at_border ? options_.min_disparity_px : all);
   }
 
-  void finish_row(Disparity* out) const {
+  void finish_row(Disparity* out, std::uint8_t* residual) const {
     const int begin = first_pixel();
     std::fill(out, out + begin, kNoMatch);
+    if (residual != nullptr) std::fill(residual, residual + begin, kNoResidual);
     RefineJob job;
     job.begin = begin;
     job.width = width_;
@@ -413,8 +414,10 @@ class Band {
     job.strict_sub_pixel = options_.strict_sub_pixel;
     job.check_unique = options_.uniqueness_percent > 0;
     job.left_right_tolerance_px = options_.left_right_tolerance_px;
-    refine(pixels_, owner_, job, out);
-    if (images_.mirrored) std::reverse(out, out + width_);
+    refine(pixels_, owner_, job, out, residual);
+    if (!images_.mirrored) return;
+    std::reverse(out, out + width_);
+    if (residual != nullptr) std::reverse(residual, residual + width_);
   }
 
   const SadImages& images_;
@@ -443,12 +446,12 @@ class Band {
 };
 
 void match_rows_here(const SadImages& images, const SadOptions& options, int first, int last,
-                     Image<std::uint8_t>& memory, Image<Disparity>& disparity) {
+                     Image<std::uint8_t>& memory, const MatchOutput& out) {
   const int column_sum = options.window_height_px * images.largest_difference;
   if (images.largest_difference <= 127 && column_sum <= 255) {
-    Band<std::uint8_t>(images, options, memory).match(first, last, disparity);
+    Band<std::uint8_t>(images, options, memory).match(first, last, out);
   } else {
-    Band<std::int16_t>(images, options, memory).match(first, last, disparity);
+    Band<std::int16_t>(images, options, memory).match(first, last, out);
   }
 }
 #endif
@@ -462,8 +465,8 @@ namespace tread {
 HWY_EXPORT(match_rows_here);
 
 void match_rows(const SadImages& images, const SadOptions& options, int first, int last,
-                Image<std::uint8_t>& memory, Image<Disparity>& disparity) {
-  HWY_DYNAMIC_DISPATCH(match_rows_here)(images, options, first, last, memory, disparity);
+                Image<std::uint8_t>& memory, const MatchOutput& out) {
+  HWY_DYNAMIC_DISPATCH(match_rows_here)(images, options, first, last, memory, out);
 }
 }  // namespace tread
 #endif

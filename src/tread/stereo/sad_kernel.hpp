@@ -32,9 +32,9 @@ inline constexpr int kLargestKernelSum = 32766;
   return static_cast<std::uint16_t>(percent * 65535 / 100);
 }
 
-// Rows first to last - 1 of `disparity`, which has the size of the images. `memory` is the
+// Rows first to last - 1 of the output, which has the size of the images. `memory` is the
 // caller's to keep: one for each thread.
 void match_rows(const SadImages& images, const SadOptions& options, int first, int last,
-                Image<std::uint8_t>& memory, Image<Disparity>& disparity);
+                Image<std::uint8_t>& memory, const MatchOutput& out);
 
 }  // namespace tread

@@ -102,10 +102,16 @@ OptionSet describe(SadOptions& options) {
 
 void SadMatcher::match(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
                        const SadOptions& options, int largest_difference,
-                       Image<Disparity>& disparity, const Context& context) {
+                       Image<Disparity>& disparity, Image<std::uint8_t>* residual,
+                       const Context& context) {
   assert(same_size(left, right) && !left.empty());
   const ScopedTimer timer(context, "stereo/match");
   disparity.resize(left.width, left.height);
+  MatchOutput output{disparity};
+  if (residual != nullptr) {
+    residual->resize(left.width, left.height);
+    output.residual = *residual;
+  }
   const bool mirrored = options.reference == Reference::kRight;
   const SadImages images = mirrored ? SadImages{right, left, true, largest_difference}
                                     : SadImages{left, right, false, largest_difference};
@@ -114,10 +120,10 @@ void SadMatcher::match(ImageView<const std::uint8_t> left, ImageView<const std::
   parallel_chunks(context, 0, left.height, band_rows(left.height),
                   [&](int first, int last, int worker) {
                     if (largest_sum > kLargestKernelSum) {
-                      match_rows_plain(images, options, first, last, disparity);
+                      match_rows_plain(images, options, first, last, output);
                     } else {
                       match_rows(images, options, first, last,
-                                 memory_[static_cast<std::size_t>(worker)], disparity);
+                                 memory_[static_cast<std::size_t>(worker)], output);
                     }
                   });
   if (options.min_texture > 0.0) clear_plain(images.reference, options, column_sums_, disparity);

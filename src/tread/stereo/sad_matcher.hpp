@@ -61,10 +61,11 @@ class SadMatcher {
  public:
   // The images must have one size and at least one pixel, the options be in range (check_options);
   // both are the caller's to check (StereoMatcher does). No two pixels may differ by more than
-  // largest_difference. `disparity` is resized.
+  // largest_difference. `disparity` is resized,
+  // as is `residual` if it is not null.
   void match(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
              const SadOptions& options, int largest_difference, Image<Disparity>& disparity,
-             const Context& context = {});
+             Image<std::uint8_t>* residual = nullptr, const Context& context = {});
 
  private:
   std::vector<Image<std::uint8_t>> memory_;  // by worker

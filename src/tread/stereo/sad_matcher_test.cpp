@@ -169,7 +169,7 @@ Image<Disparity> match(const Image<std::uint8_t>& left, const Image<std::uint8_t
   Image<Disparity> disparity;
   Context context;
   context.threads = threads;
-  matcher.match(left, right, options, 255, disparity, context);
+  matcher.match(left, right, options, 255, disparity, nullptr, context);
   return disparity;
 }
 

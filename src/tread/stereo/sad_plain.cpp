@@ -23,11 +23,12 @@ class PlainBand {
         costs_(static_cast<std::size_t>(range_)),
         winners_(static_cast<std::size_t>(width_)) {}
 
-  void match(int first, int last, Image<Disparity>& disparity) {
+  void match(int first, int last, const MatchOutput& out) {
     for (int y = first - radius_y_; y < first + radius_y_; ++y) add_row(y, 1);
     for (int y = first; y < last; ++y) {
       add_row(y + radius_y_, 1);
-      match_row(disparity.row(y));
+      match_row(out.disparity.row(y));
+      if (!out.residual.empty()) rate_row(out.disparity.row(y), out.residual.row(y));
       add_row(y - radius_y_, -1);
     }
   }
@@ -36,6 +37,7 @@ class PlainBand {
   struct Winner {
     int index = -1;  // disparity - min_disparity, -1: nothing to try
     int cost = 0;
+    int slope = 0;  // 0: not known
   };
 
   [[nodiscard]] int pixel(ImageView<const std::uint8_t> image, int x, int row) const {
@@ -73,12 +75,24 @@ class PlainBand {
       const int fit = available(x);
       Winner& winner = winners_[static_cast<std::size_t>(x)];
       winner = best(fit);
+      if (winner.index > 0 && winner.index < fit - 1) {
+        const auto i = static_cast<std::size_t>(winner.index);
+        winner.slope = std::max(costs_[i - 1], costs_[i + 1]) - winner.cost;
+      }
       const bool accepted = winner.index >= 0 && unique(winner, fit);
       out[x] = accepted ? refined(winner.index, fit) : kNoMatch;
       slide(x, -1);
     }
     if (options_.left_right_tolerance_px >= 0) check_back(out);
     if (images_.mirrored) std::reverse(out, out + width_);
+  }
+
+  void rate_row(const Disparity* found, std::uint8_t* residual) const {
+    for (int x = 0; x < width_; ++x) {
+      const Winner& w = winners_[static_cast<std::size_t>(images_.mirrored ? width_ - 1 - x : x)];
+      const bool known = found[x] != kNoMatch && w.slope > 0;
+      residual[x] = known ? residual_of(w.cost, w.slope) : kNoResidual;
+    }
   }
 
   void slide(int c, int sign) {
@@ -157,8 +171,8 @@ class PlainBand {
 }  // namespace
 
 void match_rows_plain(const SadImages& images, const SadOptions& options, int first, int last,
-                      Image<Disparity>& disparity) {
-  PlainBand(images, options).match(first, last, disparity);
+                      const MatchOutput& out) {
+  PlainBand(images, options).match(first, last, out);
 }
 
 }  // namespace tread

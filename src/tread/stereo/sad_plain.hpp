@@ -2,12 +2,19 @@
 // for bit, and what takes the windows whose sums are too large for it.
 #pragma once
 
+#include <algorithm>
+
 #include "tread/stereo/sad_kernel.hpp"
 
 namespace tread {
 
-// Rows first to last - 1 of `disparity`, which has the size of the images.
+// Of a match of this cost, with a slope above 0.
+[[nodiscard]] inline std::uint8_t residual_of(int cost, int slope) {
+  return static_cast<std::uint8_t>(std::min(cost * kResidualScale / slope, int{kNoResidual}));
+}
+
+// Rows first to last - 1 of the output, which has the size of the images.
 void match_rows_plain(const SadImages& images, const SadOptions& options, int first, int last,
-                      Image<Disparity>& disparity);
+                      const MatchOutput& out);
 
 }  // namespace tread

@@ -36,7 +36,7 @@ void cost_rows(const SgmImages&, const SgmOptions&, const SgmBlock&, int, int, s
 void side_rows(const SgmOptions&, int, const SgmBlock&, int, int) {}
 void above_columns(const SgmOptions&, const SgmBlock&, int, int, std::uint8_t*) {}
 void finish_rows(const SgmOptions&, int, const SgmBlock&, int, int, std::uint8_t*,
-                 Image<Disparity>&) {}
+                 const MatchOutput&) {}
 #else
 
 constexpr int kPixels = 16;      // looked at before their results are
@@ -450,7 +450,7 @@ void above_columns(const SgmOptions& options, const SgmBlock& block, int begin, 
 }
 
 void finish_rows(const SgmOptions& options, int width, const SgmBlock& block, int begin, int end,
-                 std::uint8_t* memory, Image<Disparity>& disparity) {
+                 std::uint8_t* memory, const MatchOutput& output) {
   auto* owners = reinterpret_cast<std::uint32_t*>(memory);
   RefineJob job;
   job.begin = std::min(options.min_disparity_px, width);
@@ -468,9 +468,11 @@ void finish_rows(const SgmOptions& options, int width, const SgmBlock& block, in
     for (int x = job.begin; x < width; ++x) {
       claim(owners + x - job.min_disparity_px, pixels[x].winner);
     }
-    Disparity* out = disparity.row(y);
+    Disparity* out = output.disparity.row(y);
     std::fill(out, out + job.begin, kNoMatch);
-    refine(pixels, owners, job, out);
+    std::uint8_t* residual = output.residual.empty() ? nullptr : output.residual.row(y);
+    if (residual != nullptr) std::fill(residual, residual + job.begin, kNoResidual);
+    refine(pixels, owners, job, out, residual);
   }
 }
 #endif
@@ -520,8 +522,8 @@ void sgm_above_columns(const SgmOptions& options, const SgmBlock& block, int beg
   HWY_DYNAMIC_DISPATCH(above_columns)(options, block, begin, end, memory);
 }
 void sgm_finish_rows(const SgmOptions& options, int width, const SgmBlock& block, int begin,
-                     int end, std::uint8_t* memory, Image<Disparity>& disparity) {
-  HWY_DYNAMIC_DISPATCH(finish_rows)(options, width, block, begin, end, memory, disparity);
+                     int end, std::uint8_t* memory, const MatchOutput& output) {
+  HWY_DYNAMIC_DISPATCH(finish_rows)(options, width, block, begin, end, memory, output);
 }
 }  // namespace tread
 #endif

@@ -57,6 +57,6 @@ void sgm_above_columns(const SgmOptions& options, const SgmBlock& block, int beg
                        std::uint8_t* memory);
 // The disparities of the rows [begin, end).
 void sgm_finish_rows(const SgmOptions& options, int width, const SgmBlock& block, int begin,
-                     int end, std::uint8_t* memory, Image<Disparity>& disparity);
+                     int end, std::uint8_t* memory, const MatchOutput& output);
 
 }  // namespace tread

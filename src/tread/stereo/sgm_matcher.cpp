@@ -56,11 +56,17 @@ OptionSet describe(SgmOptions& options) {
 void SgmMatcher::match(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
                        ImageView<const std::uint8_t> left_edges,
                        ImageView<const std::uint8_t> right_edges, const SgmOptions& options,
-                       Image<Disparity>& disparity, const Context& context) {
+                       Image<Disparity>& disparity, Image<std::uint8_t>* residual,
+                       const Context& context) {
   assert(same_size(left, right) && !left.empty());
   const ScopedTimer timer(context, "stereo/match");
   const int width = left.width, height = left.height;
   disparity.resize(width, height);
+  MatchOutput output{disparity};
+  if (residual != nullptr) {
+    residual->resize(width, height);
+    output.residual = *residual;
+  }
   left_census_.resize(width, 3 * height);
   right_census_.resize(width, 3 * height);
   const SgmImages images{left_edges, right_edges, left_census_, right_census_};
@@ -70,7 +76,7 @@ void SgmMatcher::match(ImageView<const std::uint8_t> left, ImageView<const std::
       census_row_plain(left, y, left_census_);
       census_row_plain(right, y, right_census_);
     }
-    match_sgm_plain(images, options, disparity);
+    match_sgm_plain(images, options, output);
     return;
   }
 
@@ -117,7 +123,7 @@ void SgmMatcher::match(ImageView<const std::uint8_t> left, ImageView<const std::
     });
     parallel_chunks(
         context, block.first, block.last, kBlockRows, [&](int first, int last, int worker) {
-          sgm_finish_rows(options, width, block, first, last, memory_of(worker), disparity);
+          sgm_finish_rows(options, width, block, first, last, memory_of(worker), output);
         });
   }
 }

@@ -43,10 +43,12 @@ struct SgmOptions {
 class SgmMatcher {
  public:
   // The grey images and their edge images must have one size and at least one pixel, the options be
-  // in range (StereoMatcher checks). `disparity`, of the left image, is resized.
+  // in range (StereoMatcher checks). `disparity`, of the left image, is resized, as is
+  // `residual` if it is not null.
   void match(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
              ImageView<const std::uint8_t> left_edges, ImageView<const std::uint8_t> right_edges,
-             const SgmOptions& options, Image<Disparity>& disparity, const Context& context = {});
+             const SgmOptions& options, Image<Disparity>& disparity,
+             Image<std::uint8_t>* residual = nullptr, const Context& context = {});
 
  private:
   Image<std::uint8_t> left_census_;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tread/stereo/sad_kernel.hpp"
+#include "tread/stereo/sad_plain.hpp"
 
 namespace tread {
 namespace {
@@ -20,7 +21,7 @@ class PlainSgm {
         height_(images.left_edges.height),
         range_(options.num_disparities) {}
 
-  void match(Image<Disparity>& disparity) {
+  void match(const MatchOutput& out) {
     std::vector<int> above;
     for (int y = 0; y < height_; ++y) {
       const std::vector<int> cost = costs(y);
@@ -33,7 +34,7 @@ class PlainSgm {
       }
       for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += here[i];
       above = std::move(here);
-      choose(sum, disparity.row(y));
+      choose(sum, out.disparity.row(y), out.residual.empty() ? nullptr : out.residual.row(y));
     }
   }
 
@@ -93,7 +94,7 @@ class PlainSgm {
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += path[i];
   }
 
-  void choose(const std::vector<int>& sum, Disparity* out) const {
+  void choose(const std::vector<int>& sum, Disparity* out, std::uint8_t* residual) const {
     struct Winner {
       int index = -1;
       int cost = 0;
@@ -110,12 +111,23 @@ class PlainSgm {
       if (owner.index < 0 || s[index] < owner.cost) owner = {index, s[index]};
       if (unique(s, fit, index)) out[x] = refined(s, fit, index);
     }
-    if (options_.left_right_tolerance_px < 0) return;
-    for (int x = min_disparity; x < width_; ++x) {
+    for (int x = min_disparity; options_.left_right_tolerance_px >= 0 && x < width_; ++x) {
       const int index = winners[static_cast<std::size_t>(x)].index;
       const int back = owners[static_cast<std::size_t>(x - min_disparity - index)].index;
       if (std::abs(back - index) > options_.left_right_tolerance_px) out[x] = kNoMatch;
     }
+    for (int x = 0; residual != nullptr && x < width_; ++x) {
+      const int fit = std::min(range_, x - min_disparity + 1);
+      residual[x] = out[x] == kNoMatch
+                        ? kNoResidual
+                        : rate(&sum[at(x)], fit, winners[static_cast<std::size_t>(x)].index);
+    }
+  }
+
+  [[nodiscard]] std::uint8_t rate(const int* s, int fit, int index) const {
+    if (index == 0 || index == fit - 1) return kNoResidual;
+    const int slope = std::max(s[index - 1], s[index + 1]) - s[index];
+    return slope > 0 ? residual_of(s[index], slope) : kNoResidual;
   }
 
   [[nodiscard]] bool unique(const int* s, int fit, int index) const {
@@ -150,9 +162,8 @@ class PlainSgm {
 
 }  // namespace
 
-void match_sgm_plain(const SgmImages& images, const SgmOptions& options,
-                     Image<Disparity>& disparity) {
-  PlainSgm(images, options).match(disparity);
+void match_sgm_plain(const SgmImages& images, const SgmOptions& options, const MatchOutput& out) {
+  PlainSgm(images, options).match(out);
 }
 
 }  // namespace tread

@@ -6,7 +6,6 @@
 
 namespace tread {
 
-void match_sgm_plain(const SgmImages& images, const SgmOptions& options,
-                     Image<Disparity>& disparity);
+void match_sgm_plain(const SgmImages& images, const SgmOptions& options, const MatchOutput& out);
 
 }  // namespace tread

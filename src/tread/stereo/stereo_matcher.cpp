@@ -45,6 +45,7 @@ OptionSet describe(StereoOptions& options) {
   set.add_group("sgm", describe(options.sgm));
   set.add_group("holes", describe(options.holes));
   set.add_group("speckle", describe(options.speckle));
+  set.add("rate", options.rate, "also estimate how sure each match is");
   set.require({"sad.min_texture", "edges.kind"},
               "texture is measured on edge images: it must be 0 where they are off", [&options] {
                 return options.sad.min_texture <= 0.0 || options.edges.kind != EdgeKind::kNone;
@@ -89,16 +90,18 @@ Result<ImageView<const Disparity>> StereoMatcher::match(ImageView<const std::uin
     checked_ = options;
   }
   if (Status ok = check_against_image(options, left.width); !ok) return forward(ok);
+  Image<std::uint8_t>* residual = options.rate ? &residual_ : nullptr;
+  if (!options.rate) residual_ = {};
   edge_image(left, options.edges, left_edges_, context);
   edge_image(right, options.edges, right_edges_, context);
   if (options.method == StereoMethod::kSgm) {
     SgmOptions sgm = options.sgm;
     sgm.min_disparity_px = options.sad.min_disparity_px;
     sgm.num_disparities = options.sad.num_disparities;
-    sgm_.match(left, right, left_edges_, right_edges_, sgm, disparity_, context);
+    sgm_.match(left, right, left_edges_, right_edges_, sgm, disparity_, residual, context);
   } else {
     sad_.match(left_edges_, right_edges_, options.sad, largest_edge_difference(options.edges),
-               disparity_, context);
+               disparity_, residual, context);
   }
   const bool by_sgm = options.method == StereoMethod::kSgm;
   holes_.apply(disparity_, by_sgm ? options.sgm.holes : options.holes, context);

@@ -26,6 +26,7 @@ struct StereoOptions {
   SgmOptions sgm;
   HoleFilterOptions holes;
   SpeckleOptions speckle;
+  bool rate = false;  // also how sure each match is: StereoMatcher::residual()
   [[nodiscard]] bool operator==(const StereoOptions&) const = default;
 };
 [[nodiscard]] OptionSet describe(StereoOptions& options);
@@ -47,12 +48,15 @@ class StereoMatcher {
                                                          ImageView<const std::uint8_t> right,
                                                          const StereoOptions& options,
                                                          const Context& context = {});
+  // Of the last match, with options.rate; else empty. Of pixels that have a disparity.
+  [[nodiscard]] ImageView<const std::uint8_t> residual() const { return residual_; }
 
  private:
   std::optional<StereoOptions> checked_;  // the last options found good
   Image<std::uint8_t> left_edges_;
   Image<std::uint8_t> right_edges_;
   Image<Disparity> disparity_;
+  Image<std::uint8_t> residual_;
   SadMatcher sad_;
   SgmMatcher sgm_;
   HoleFilter holes_;

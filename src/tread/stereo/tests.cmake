@@ -6,4 +6,5 @@ target_sources(tread_tests PRIVATE
   ${here}/filters_test.cpp
   ${here}/kernels_test.cpp
   ${here}/sad_matcher_test.cpp
-  ${here}/stereo_matcher_test.cpp)
+  ${here}/stereo_matcher_test.cpp
+  ${here}/uncertainty_test.cpp)

@@ -36,7 +36,8 @@ HWY_INLINE void claim(std::uint32_t* zero, std::uint32_t winner) {
   owner += static_cast<std::uint32_t>(less & (less >> 63));
 }
 
-// A row's pixels from `begin` on become disparities by these rules.
+// A row's pixels from `begin` on become disparities by these rules; with `residual`, also how well
+// each fits (disparity.hpp).
 struct RefineJob {
   int begin = 0;
   int width = 0;
@@ -53,10 +54,11 @@ struct RefineJob {
 // are small enough integers that a float's quotient never rounds to another step than the true
 // one.
 inline void refine(const PixelResult* pixels, const std::uint32_t* owners, const RefineJob& job,
-                   Disparity* out) {
+                   Disparity* out, std::uint8_t* residual) {
   const F32 f32;
   const I32 i32;
   const hn::Rebind<std::uint16_t, I32> u16;
+  const hn::Rebind<std::uint8_t, I32> u8;
   const int lanes = static_cast<int>(Lanes(i32));
   const auto no_cost = Set(i32, job.no_cost);
   const auto low = Set(i32, 0xFFFF);
@@ -71,6 +73,7 @@ inline void refine(const PixelResult* pixels, const std::uint32_t* owners, const
   const bool check_back = job.left_right_tolerance_px >= 0;
   const SubPixel sub_pixel = job.sub_pixel;
   HWY_ALIGN Disparity last[hn::MaxLanes(I32())];
+  HWY_ALIGN std::uint8_t last_residual[hn::MaxLanes(I32())];
   auto zero = Sub(Iota(i32, job.begin), min_disparity);  // the column at no disparity
   for (int x = job.begin; x < job.width; x += lanes) {
     hn::Vec<U32> winner, neighbours;
@@ -103,11 +106,25 @@ inline void refine(const PixelResult* pixels, const std::uint32_t* owners, const
     }
     zero = Add(zero, Set(i32, lanes));
     const auto narrow = DemoteTo(u16, found);
-    if (x + lanes <= job.width) {
+    const bool whole_vector = x + lanes <= job.width;
+    if (whole_vector) {
       StoreU(narrow, u16, out + x);
     } else {
       Store(narrow, u16, last);
       std::copy(last, last + (job.width - x), out + x);
+    }
+    if (residual == nullptr) continue;
+    const auto slope = Sub(Max(l, r), c);
+    const auto known = And(And(inside, Gt(slope, Zero(i32))), Ne(found, Set(i32, int{kNoMatch})));
+    const auto ratio = Div(ConvertTo(f32, Mul(c, Set(i32, kResidualScale))),
+                           ConvertTo(f32, IfThenElse(known, slope, one)));
+    const auto byte = IfThenElse(known, Min(ConvertTo(i32, ratio), Set(i32, int{kNoResidual})),
+                                 Set(i32, int{kNoResidual}));
+    if (whole_vector) {
+      StoreU(DemoteTo(u8, byte), u8, residual + x);
+    } else {
+      Store(DemoteTo(u8, byte), u8, last_residual);
+      std::copy(last_residual, last_residual + (job.width - x), residual + x);
     }
   }
 }

@@ -1,6 +1,7 @@
 #include "tread/terrain/local_map.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -73,8 +74,8 @@ Eigen::Matrix3d R_level_body(const Eigen::Matrix3d& R_world_body) {
 const Grid<float>& LocalMapBuilder::build(std::span<const Eigen::Vector3f> points,
                                           const Eigen::Isometry3d& T_level_points,
                                           const GridGeometry& geometry,
-                                          const LocalMapOptions& options, const Grid<float>* known,
-                                          const Context& context) {
+                                          const LocalMapOptions& options,
+                                          const LocalMapHints& hints, const Context& context) {
   const ScopedTimer timer(context, "terrain/local");
   sums_.geometry = heights_.geometry = geometry;
   sums_.values.assign(geometry.size(), Sum{});
@@ -86,11 +87,13 @@ const Grid<float>& LocalMapBuilder::build(std::span<const Eigen::Vector3f> point
   const auto high = static_cast<float>(options.max_height_m);
   const auto scale = static_cast<float>(1.0 / geometry.resolution_m);
   const Eigen::Vector2f origin = geometry.origin.cast<float>();
-  const bool under = known != nullptr && options.overhead_m > 0.0;
+  const bool under = hints.known != nullptr && options.overhead_m > 0.0;
+  const bool weighed = !hints.sigma_m.empty();
+  assert(!weighed || hints.sigma_m.size() == points.size());
   const auto overhead = static_cast<float>(options.overhead_m);
   const bool take_max = options.height == LocalMapOptions::Height::kMax;
-  for (const Eigen::Vector3f& point : points) {
-    const Eigen::Vector3f p = R * point + t;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f p = R * points[i] + t;
     // Comparisons are false for what is not finite.
     if (!(p.z() >= low && p.z() <= high)) continue;
     const float x = (p.x() - origin.x()) * scale;
@@ -101,10 +104,12 @@ const Grid<float>& LocalMapBuilder::build(std::span<const Eigen::Vector3f> point
     }
     const Cell cell{static_cast<int>(x), static_cast<int>(y)};
     // False for a ground that is not known.
-    if (under && p.z() > (*known)[cell] + overhead) continue;
+    if (under && p.z() > (*hints.known)[cell] + overhead) continue;
     Sum& sum = sums_[cell];
     if (!take_max) {
-      sum.height += p.z();
+      const float weight = weighed ? 1.0F / (hints.sigma_m[i] * hints.sigma_m[i]) : 1.0F;
+      sum.height += weight * p.z();
+      sum.weight += weight;
     } else if (sum.points == 0 || p.z() > sum.height) {
       sum.height = p.z();
     }
@@ -113,7 +118,7 @@ const Grid<float>& LocalMapBuilder::build(std::span<const Eigen::Vector3f> point
   for (std::size_t i = 0; i < sums_.values.size(); ++i) {
     const Sum& sum = sums_.values[i];
     if (sum.points < options.min_points) continue;
-    heights_.values[i] = static_cast<float>(take_max ? sum.height : sum.height / sum.points);
+    heights_.values[i] = static_cast<float>(take_max ? sum.height : sum.height / sum.weight);
   }
   return heights_;
 }

@@ -42,22 +42,28 @@ using LevelArea = Eigen::AlignedBox2d;
 // R_level_body for an attitude: Ry(pitch) Rx(roll) of T_world_body, its yaw left out (Eq. 1).
 [[nodiscard]] Eigen::Matrix3d R_level_body(const Eigen::Matrix3d& R_world_body);
 
+// What else is known about the points of a local map.
+struct LocalMapHints {
+  const Grid<float>* known = nullptr;   // of the same cells, the heights known before
+                                        // (GlobalMap::heights_below), for overhead_m
+  std::span<const float> sigma_m = {};  // of each point: a mean weighs it by 1 / sigma^2; or none
+};
+
 // Heights of the points, NaN where fewer than min_points fell. T_level_points maps the points into
 // the levelled frame. Points that are not finite or outside the cells are left out. The sums are
-// made in the order of the points, so the result is the same on every run. `known`, of the same
-// cells, are the heights known before (GlobalMap::heights_below), for overhead_m; null: none are.
-// Cost: O(points + cells).
+// made in the order of the points, so the result is the same on every run. Cost: O(points + cells).
 class LocalMapBuilder {
  public:
   [[nodiscard]] const Grid<float>& build(std::span<const Eigen::Vector3f> points,
                                          const Eigen::Isometry3d& T_level_points,
                                          const GridGeometry& cells, const LocalMapOptions& options,
-                                         const Grid<float>* known = nullptr,
+                                         const LocalMapHints& hints = {},
                                          const Context& context = {});
 
  private:
   struct Sum {
-    double height = 0.0;  // sum or maximum
+    double height = 0.0;  // weighted sum, or maximum
+    float weight = 0.0F;
     int points = 0;
   };
   Grid<Sum> sums_;

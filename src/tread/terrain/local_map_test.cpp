@@ -38,7 +38,7 @@ Grid<float> heights(const std::vector<Vector3f>& points, const LocalMapOptions& 
                     const Isometry3d& T = Isometry3d::Identity(), const LevelArea& area = kPaperR,
                     const Grid<float>* known = nullptr) {
   LocalMapBuilder builder;
-  return builder.build(points, T, local_cells(area, options.resolution_m), options, known);
+  return builder.build(points, T, local_cells(area, options.resolution_m), options, {known});
 }
 
 Grid<float> derivative(const std::function<double(double, double)>& z) {
@@ -162,6 +162,16 @@ TEST(LocalMap, CellsAreMeanOrMaximumOfEnoughPoints) {
   const std::vector<Vector3f> ditch = {{1.01F, 0.01F, -0.6F}, {1.02F, 0.02F, -0.4F}};
   map = heights(ditch, options);
   EXPECT_NEAR(map[map.geometry.cell_at({1.05, 0.05})], -0.4, 1e-6);
+}
+
+TEST(LocalMap, SurePointsWeighMore) {
+  const std::vector<Vector3f> points = {{1.01F, 0.01F, 0.0F}, {1.02F, 0.02F, 1.0F}};
+  const std::vector<float> sigma_m = {0.1F, 0.2F};  // weights 100 and 25
+  LocalMapBuilder builder;
+  const GridGeometry cells = local_cells(kPaperR, 0.1);
+  const Grid<float>& map =
+      builder.build(points, Isometry3d::Identity(), cells, {}, {nullptr, sigma_m});
+  EXPECT_NEAR(map[cells.cell_at({1.05, 0.05})], 0.2, 1e-6);
 }
 
 TEST(LocalMap, LeavesOutWhatIsNotFiniteTooHighOrOutside) {
