@@ -62,6 +62,8 @@ TEST_P(StereoAllocations, NoneAfterTheFirstFrame) {
   options.method = GetParam();
   options.sad.num_disparities = 48;
   options.holes.temporal = true;
+  options.temporal.enabled = true;
+  options.rate = true;
   StereoMatcher matcher;
   for (int i = 0; i < 5; ++i) {
     const testing::Pair pair = frame(i);

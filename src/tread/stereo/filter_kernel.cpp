@@ -142,6 +142,38 @@ void fill_row_here(const Disparity* above, const Disparity* here, const Disparit
   }
 }
 
+template <class D>
+HWY_INLINE void steady_at(D d, const Disparity* now, const Disparity* seen, Disparity* result,
+                          const TemporalRule& rule) {
+  const hn::RebindToSigned<D> i16;
+  const auto hole = hn::Set(d, kNoMatch);
+  const auto most = hn::Set(d, rule.max_change);
+  const auto here = hn::LoadU(d, now), before = hn::LoadU(d, seen), old = hn::LoadU(d, result);
+  // A hole is at least a pixel above every disparity, but max_change may be more than that.
+  const auto near = [&](auto other) HWY_ATTR {
+    const auto apart = hn::Sub(hn::Max(here, other), hn::Min(here, other));
+    return hn::And(hn::Ne(other, hole), hn::Eq(hn::Min(apart, most), apart));
+  };
+  const auto step = hn::BitCast(i16, hn::Sub(old, here));
+  const auto memory = hn::Set(i16, static_cast<std::int16_t>(rule.memory));
+  const auto moved =
+      hn::ShiftRight<4>(hn::Add(hn::Mul(step, memory), hn::Set(i16, std::int16_t{8})));
+  auto out = hn::Add(here, hn::IfThenElseZero(near(old), hn::BitCast(d, moved)));
+  if (rule.confirm) out = hn::IfThenElse(near(before), out, hole);
+  hn::StoreU(hn::IfThenElse(hn::Eq(here, hole), hole, out), d, result);
+}
+
+void steady_row_here(const Disparity* now, const Disparity* seen, Disparity* result, int width,
+                     const TemporalRule& rule) {
+  const U16 u16;
+  const int lanes = static_cast<int>(hn::Lanes(u16));
+  int x = 0;
+  for (; x + lanes <= width; x += lanes) steady_at(u16, now + x, seen + x, result + x, rule);
+  for (; x < width; ++x) {
+    steady_at(hn::CappedTag<std::uint16_t, 1>(), now + x, seen + x, result + x, rule);
+  }
+}
+
 // One bit a lane, beginning at bit 0.
 template <class D, class M>
 HWY_INLINE std::uint64_t bits_of(D d, M mask) {
@@ -203,6 +235,7 @@ namespace tread {
 HWY_EXPORT(gradient_row_here);
 HWY_EXPORT(fill_row_here);
 HWY_EXPORT(link_row_here);
+HWY_EXPORT(steady_row_here);
 
 void gradient_row(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below,
                   int width, int limit, std::uint8_t* out) {
@@ -212,6 +245,11 @@ void gradient_row(const std::uint8_t* above, const std::uint8_t* here, const std
 void fill_row(const Disparity* above, const Disparity* here, const Disparity* below, int width,
               const Disparity* previous, bool spatial, const MedianRule& rule, Disparity* out) {
   HWY_DYNAMIC_DISPATCH(fill_row_here)(above, here, below, width, previous, spatial, rule, out);
+}
+
+void steady_row(const Disparity* now, const Disparity* seen, Disparity* result, int width,
+                const TemporalRule& rule) {
+  HWY_DYNAMIC_DISPATCH(steady_row_here)(now, seen, result, width, rule);
 }
 
 void link_row(const Disparity* above, const Disparity* here, int width, int limit,

@@ -24,6 +24,18 @@ struct MedianRule {
 void fill_row(const Disparity* above, const Disparity* here, const Disparity* below, int width,
               const Disparity* previous, bool spatial, const MedianRule& rule, Disparity* out);
 
+// One row of `now` against the frame before as matched, `seen`, and as filtered, `result`, which is
+// replaced by that of this frame: `now` where `seen` is within max_change (or, without confirm,
+// where it is not known or farther off), else kNoMatch; moved by memory / 16, rounded, towards the
+// old `result` where that is within max_change.
+struct TemporalRule {
+  std::uint16_t max_change;  // at most 512
+  std::uint16_t memory;      // 0 to 15
+  bool confirm;
+};
+void steady_row(const Disparity* now, const Disparity* seen, Disparity* result, int width,
+                const TemporalRule& rule);
+
 // Bits of a row, bit x % 64 of word x / 64, for (width + 63) / 64 words each: whether pixel x is
 // known; is known, as its left neighbour is, and differs from it by at most `limit`; the same for
 // the pixel above (`above` null: none).

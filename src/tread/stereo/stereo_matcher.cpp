@@ -45,6 +45,7 @@ OptionSet describe(StereoOptions& options) {
   set.add_group("sgm", describe(options.sgm));
   set.add_group("holes", describe(options.holes));
   set.add_group("speckle", describe(options.speckle));
+  set.add_group("temporal", describe(options.temporal));
   set.add("rate", options.rate, "also estimate how sure each match is");
   set.require({"sad.min_texture", "edges.kind"},
               "texture is measured on edge images: it must be 0 where they are off", [&options] {
@@ -106,6 +107,7 @@ Result<ImageView<const Disparity>> StereoMatcher::match(ImageView<const std::uin
   const bool by_sgm = options.method == StereoMethod::kSgm;
   holes_.apply(disparity_, by_sgm ? options.sgm.holes : options.holes, context);
   speckle_.apply(disparity_, by_sgm ? options.sgm.speckle : options.speckle, context);
+  temporal_.apply(disparity_, options.temporal, context);
   return disparity_.view();
 }
 

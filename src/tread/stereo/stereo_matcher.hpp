@@ -11,6 +11,7 @@
 #include "tread/stereo/sad_matcher.hpp"
 #include "tread/stereo/sgm_matcher.hpp"
 #include "tread/stereo/speckle_filter.hpp"
+#include "tread/stereo/temporal_filter.hpp"
 
 namespace tread {
 
@@ -26,6 +27,7 @@ struct StereoOptions {
   SgmOptions sgm;
   HoleFilterOptions holes;
   SpeckleOptions speckle;
+  TemporalOptions temporal;
   bool rate = false;  // also how sure each match is: StereoMatcher::residual()
   [[nodiscard]] bool operator==(const StereoOptions&) const = default;
 };
@@ -61,6 +63,7 @@ class StereoMatcher {
   SgmMatcher sgm_;
   HoleFilter holes_;
   SpeckleFilter speckle_;
+  TemporalFilter temporal_;
 };
 
 }  // namespace tread

@@ -7,4 +7,5 @@ target_sources(tread_tests PRIVATE
   ${here}/kernels_test.cpp
   ${here}/sad_matcher_test.cpp
   ${here}/stereo_matcher_test.cpp
+  ${here}/temporal_filter_test.cpp
   ${here}/uncertainty_test.cpp)
