@@ -14,6 +14,7 @@
 #include <hwy/highway.h>
 
 #include "tread/stereo/lanes-inl.hpp"
+#include "tread/stereo/rows-inl.hpp"
 #include "tread/stereo/winners-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -112,42 +113,12 @@ class Band {
     sums_ = take<Column>(base, (columns + (kNarrow ? 0 : window)) * padded);
   }
 
-  // A row of the reference image, each pixel four times (one load then fills a vector), and of the
-  // other one, reversed: entry k is its column width - 1 + radius - min_disparity - k. Beyond the
-  // border lie the nearest pixels.
+  // A row of both images; beyond the border lie the nearest ones.
   void load_row(int y, std::uint32_t* left, std::uint8_t* right) const {
     const int row = std::clamp(y, 0, images_.reference.height - 1);
-    const std::uint8_t* from = images_.reference.row(row);
-    const std::uint8_t* other = images_.other.row(row);
-    const int last = width_ - 1;
-    const bool mirrored = images_.mirrored;
-    constexpr std::uint32_t kFourTimes = 0x01010101U;
-    std::uint32_t* inside = left + radius_x_;
-    std::fill(left, inside, from[mirrored ? last : 0] * kFourTimes);
-    int x = 0;
-    if (!mirrored) {
-      const hn::Rebind<std::uint8_t, U32> pixels;
-      const int lanes = static_cast<int>(Lanes(U32()));
-      for (; x + lanes <= width_; x += lanes) {
-        const auto four = Mul(PromoteTo(U32(), LoadU(pixels, from + x)), Set(U32(), kFourTimes));
-        StoreU(four, U32(), inside + x);
-      }
-    }
-    for (; x < width_; ++x) inside[x] = from[mirrored ? last - x : x] * kFourTimes;
-    std::fill(inside + width_, left + columns_, from[mirrored ? 0 : last] * kFourTimes);
-
-    const int length = columns_ + padded_;
-    const int shift = radius_x_ - options_.min_disparity_px;  // entry k is column last + shift - k
-    const int begin = std::clamp(shift, 0, length), end = std::clamp(shift + width_, begin, length);
-    std::fill(right, right + begin, other[mirrored ? 0 : last]);
-    const int skipped = begin - shift;
-    if (mirrored) {
-      std::copy(other + skipped, other + skipped + (end - begin), right + begin);
-    } else {
-      std::reverse_copy(other + width_ - skipped - (end - begin), other + width_ - skipped,
-                        right + begin);
-    }
-    std::fill(right + end, right + length, other[mirrored ? last : 0]);
+    spread_row(images_.reference.row(row), width_, radius_x_, images_.mirrored, left);
+    reverse_row(images_.other.row(row), width_, radius_x_, options_.min_disparity_px,
+                columns_ + padded_, images_.mirrored, right);
   }
 
   static HWY_INLINE Bytes difference(Bytes left, const std::uint8_t* right) {

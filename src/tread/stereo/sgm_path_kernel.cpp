@@ -1,19 +1,18 @@
-#include "tread/stereo/sgm_kernel.hpp"
-
+// The second half of the semi-global kernel: paths along rows and columns, and the winners.
 #include <algorithm>
 #include <cstddef>
 
 #include "tread/stereo/sad_kernel.hpp"
-#include "tread/stereo/sgm_plain.hpp"
+#include "tread/stereo/sgm_kernel.hpp"
 
 // This file is compiled once for every instruction set; what is outside `#if HWY_ONCE` lies in a
 // name space of that set.
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "tread/stereo/sgm_kernel.cpp"
+#define HWY_TARGET_INCLUDE "tread/stereo/sgm_path_kernel.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "tread/stereo/lanes-inl.hpp"
+#include "tread/stereo/sgm-inl.hpp"
 #include "tread/stereo/winners-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -30,95 +29,12 @@ std::size_t above_bytes(int, int) {
 std::size_t worker_bytes(int, int) {
   return 0;
 }
-void census_row(ImageView<const std::uint8_t>, int, std::uint8_t*, Image<std::uint8_t>&) {}
 void begin_above(int, const SgmOptions&, std::uint8_t*) {}
-void cost_rows(const SgmImages&, const SgmOptions&, const SgmBlock&, int, int, std::uint8_t*) {}
 void side_rows(const SgmOptions&, int, const SgmBlock&, int, int) {}
 void above_columns(const SgmOptions&, const SgmBlock&, int, int, std::uint8_t*) {}
 void finish_rows(const SgmOptions&, int, const SgmBlock&, int, int, std::uint8_t*,
                  const MatchOutput&) {}
 #else
-
-constexpr int kPixels = 16;      // looked at before their results are
-constexpr int kEdgeColumns = 2;  // beside a pixel that count for its edge cost
-constexpr std::uint32_t kFourTimes = 0x01010101U;
-
-int padded_range(int num_disparities) {
-  return (num_disparities + kLanes - 1) / kLanes * kLanes;
-}
-
-// A pixel's path from above lies between vectors of 255, so that neighbours can be loaded.
-std::ptrdiff_t above_stride(int padded) {
-  return padded + kLanes;
-}
-
-std::size_t above_bytes(int width, int num_disparities) {
-  return static_cast<std::size_t>(above_stride(padded_range(num_disparities)) * width + kLanes);
-}
-
-// Of a row's differences.
-std::size_t difference_bytes(int width, int num_disparities) {
-  return static_cast<std::size_t>(width + 2 * kEdgeColumns) *
-         static_cast<std::size_t>(padded_range(num_disparities));
-}
-
-std::size_t worker_bytes(int width, int num_disparities) {
-  const auto row = static_cast<std::size_t>(width + 2 * kEdgeColumns + 64);
-  const auto padded = static_cast<std::size_t>(padded_range(num_disparities));
-  const std::size_t costs = 6 * (4 * row + row + padded + 64) + 8 * padded +
-                            3 * (difference_bytes(width, num_disparities) + 64);
-  const std::size_t winners = kPixels * (padded + 2 * 64);
-  return std::max({costs, winners, 4 * row, 5 * row}) + 1024;
-}
-
-// Hands out parts of a worker's memory.
-struct Arena {
-  std::uint8_t* at;
-  template <class T>
-  T* take(std::size_t count) {
-    T* here = reinterpret_cast<T*>(at);
-    at += (count * sizeof(T) + 63) / 64 * 64;
-    return here;
-  }
-};
-
-void census_row(ImageView<const std::uint8_t> image, int y, std::uint8_t* memory,
-                Image<std::uint8_t>& census) {
-  const int width = image.width;
-  Arena arena{memory};
-  std::uint8_t* rows[5];
-  for (int j = 0; j < 5; ++j) {
-    const std::uint8_t* from = image.row(std::clamp(y + j - 2, 0, image.height - 1));
-    std::uint8_t* row = arena.take<std::uint8_t>(static_cast<std::size_t>(width) + 4 + kLanes);
-    std::fill(row, row + 2, from[0]);
-    std::fill(std::copy(from, from + width, row + 2), row + width + 4 + kLanes, from[width - 1]);
-    rows[j] = row + 2;
-  }
-  for (int x = 0; x < width; x += kLanes) {
-    const Bytes centre = LoadU(U8(), rows[2] + x);
-    int bit = 0;
-    Bytes byte = Zero(U8());
-    for (int j = 0; j < 5; ++j) {
-      for (int i = -2; i <= 2; ++i) {
-        if (i == 0 && j == 2) continue;
-        const Bytes neighbour = LoadU(U8(), rows[j] + x + i);
-        const Bytes not_darker = VecFromMask(U8(), Eq(Max(neighbour, centre), neighbour));
-        // Twice the byte, and one more where the neighbour is darker: minus minus one.
-        byte = Sub(Add(byte, byte), Not(not_darker));
-        if (++bit % 8 != 0) continue;
-        std::uint8_t* out = census.row(3 * y + bit / 8 - 1) + x;
-        if (x + kLanes <= width) {
-          StoreU(byte, U8(), out);
-        } else {
-          HWY_ALIGN std::uint8_t last[hn::MaxLanes(U8())];
-          Store(byte, U8(), last);
-          std::copy(last, last + (width - x), out);
-        }
-        byte = Zero(U8());
-      }
-    }
-  }
-}
 
 void begin_above(int width, const SgmOptions& options, std::uint8_t* above) {
   const int padded = padded_range(options.num_disparities);
@@ -126,138 +42,6 @@ void begin_above(int width, const SgmOptions& options, std::uint8_t* above) {
   for (int x = 0; x < width; ++x) {
     std::uint8_t* path = above + kLanes + x * above_stride(padded);
     std::fill(path, path + padded, std::uint8_t{0});
-  }
-}
-
-// Each pixel of a row four times, with the nearest ones beyond the ends.
-std::uint32_t* spread_row(Arena& arena, const std::uint8_t* from, int width, int beside) {
-  auto* out = arena.take<std::uint32_t>(static_cast<std::size_t>(width + 2 * beside) + 16);
-  for (int x = 0; x < beside; ++x) {
-    out[x] = from[0] * kFourTimes;
-    out[beside + width + x] = from[width - 1] * kFourTimes;
-  }
-  const hn::Rebind<std::uint8_t, U32> pixels;
-  const int lanes = static_cast<int>(Lanes(U32()));
-  int x = 0;
-  for (; x + lanes <= width; x += lanes) {
-    const auto four = Mul(PromoteTo(U32(), LoadU(pixels, from + x)), Set(U32(), kFourTimes));
-    StoreU(four, U32(), out + beside + x);
-  }
-  for (; x < width; ++x) out[beside + x] = from[x] * kFourTimes;
-  return out;
-}
-
-// A row of the right image reversed: entry k is column width - 1 + beside - min_disparity - k, so
-// that the disparities of column x begin at entry width - 1 + beside - x.
-std::uint8_t* reverse_row(Arena& arena, const std::uint8_t* from, int width, int beside,
-                          int min_disparity, int padded) {
-  const int length = width + 2 * beside + padded;
-  auto* out = arena.take<std::uint8_t>(static_cast<std::size_t>(length) + kLanes);
-  const int shift = beside - min_disparity;
-  const int begin = std::clamp(shift, 0, length), end = std::clamp(shift + width, begin, length);
-  const int skipped = begin - shift;
-  std::fill(out, out + begin, from[width - 1]);
-  std::reverse_copy(from + width - skipped - (end - begin), from + width - skipped, out + begin);
-  std::fill(out + end, out + length + kLanes, from[0]);
-  return out;
-}
-
-// 255 in the lanes of vector i that are not among the first `range`.
-HWY_INLINE Bytes outside(int i, int range) {
-  const int inside = std::clamp(range - i * kLanes, 0, kLanes);
-  return hn::IfThenElseZero(hn::Not(hn::FirstN(U8(), static_cast<std::size_t>(inside))),
-                            Set(U8(), 255));
-}
-
-// The differences of the edges of one row, which three rows of costs share.
-void difference_row(const SgmImages& images, const SgmOptions& options, int y, std::uint8_t* memory,
-                    std::uint8_t* out) {
-  const int width = images.left_edges.width;
-  const int padded = padded_range(options.num_disparities);
-  const int row = std::clamp(y, 0, images.left_edges.height - 1);
-  Arena arena{memory};
-  const std::uint32_t* left = spread_row(arena, images.left_edges.row(row), width, kEdgeColumns);
-  const int columns = width + 2 * kEdgeColumns;
-  const std::uint8_t* right = reverse_row(arena, images.right_edges.row(row), width, kEdgeColumns,
-                                          options.min_disparity_px, padded) +
-                              columns - 1;
-  for (int c = 0; c < columns; ++c) {
-    const Bytes here = BitCast(U8(), Set(U32(), left[c]));
-    for (int d = 0; d < padded; d += kLanes) {
-      const Bytes other = LoadU(U8(), right - c + d);
-      Store(Sub(Max(here, other), Min(here, other)), U8(), out);
-      out += kLanes;
-    }
-  }
-}
-
-// One row of costs. differences: of the row above, this one and the one below.
-void cost_row(const SgmImages& images, const SgmOptions& options, int y,
-              const std::uint8_t* const* differences, std::uint8_t* memory, std::uint8_t* out) {
-  const int width = images.left_edges.width;
-  const int range = options.num_disparities, padded = padded_range(range);
-  Arena arena{memory};
-  const std::uint32_t* census[3];
-  const std::uint8_t* other_census[3];
-  for (int k = 0; k < 3; ++k) {
-    census[k] = spread_row(arena, images.left_census.row(3 * y + k), width, 0);
-    other_census[k] = reverse_row(arena, images.right_census.row(3 * y + k), width, 0,
-                                  options.min_disparity_px, padded) +
-                      width - 1;
-  }
-  // The sums of three rows of the last five columns.
-  constexpr int kWindow = 2 * kEdgeColumns + 1;
-  auto* ring = arena.take<std::uint8_t>(static_cast<std::size_t>(kWindow * padded));
-  int slot = 0;
-  const Bytes most = Set(U8(), kSgmLargestEdgeCost);
-  const Bytes beyond = outside(padded / kLanes - 1, range);
-  for (int c = 0; c < width + 2 * kEdgeColumns; ++c) {
-    const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(c) * padded;
-    std::uint8_t* column = ring + slot * padded;
-    slot = slot + 1 == kWindow ? 0 : slot + 1;
-    for (int d = 0; d < padded; d += kLanes) {
-      const Bytes two =
-          SaturatedAdd(Load(U8(), differences[0] + at + d), Load(U8(), differences[1] + at + d));
-      Store(SaturatedAdd(two, Load(U8(), differences[2] + at + d)), U8(), column + d);
-    }
-    const int x = c - 2 * kEdgeColumns;
-    if (x < 0) continue;
-    std::uint8_t* cost = out + static_cast<std::ptrdiff_t>(x) * padded;
-    for (int d = 0; d < padded; d += kLanes) {
-      const std::uint8_t* s = ring + d;
-      const Bytes sum = SaturatedAdd(
-          SaturatedAdd(SaturatedAdd(Load(U8(), s), Load(U8(), s + padded)),
-                       SaturatedAdd(Load(U8(), s + 2 * padded), Load(U8(), s + 3 * padded))),
-          Load(U8(), s + 4 * padded));
-      // Three bits of equal weight: their sum and their carry.
-      Bytes bits[3];
-      for (int k = 0; k < 3; ++k) {
-        bits[k] =
-            Xor(BitCast(U8(), Set(U32(), census[k][x])), LoadU(U8(), other_census[k] - x + d));
-      }
-      const Bytes differ = Xor(bits[0], bits[1]);
-      const Bytes odd = PopulationCount(Xor(differ, bits[2]));
-      const Bytes twice = PopulationCount(Or(And(bits[0], bits[1]), And(differ, bits[2])));
-      const Bytes total = Add(Add(odd, Add(twice, twice)), Min(hn::ShiftRight<3>(sum), most));
-      Store(d + kLanes > range ? Or(total, beyond) : total, U8(), cost + d);
-    }
-  }
-}
-
-void cost_rows(const SgmImages& images, const SgmOptions& options, const SgmBlock& block, int begin,
-               int end, std::uint8_t* memory) {
-  const std::size_t bytes = difference_bytes(images.left_edges.width, options.num_disparities);
-  Arena arena{memory};
-  std::uint8_t* ring[3];
-  for (std::uint8_t*& row : ring) row = arena.take<std::uint8_t>(bytes);
-  const auto row = [&](int y) { return ring[(y + 3) % 3]; };
-  difference_row(images, options, begin - 1, arena.at, row(begin - 1));
-  difference_row(images, options, begin, arena.at, row(begin));
-  for (int y = begin; y < end; ++y) {
-    difference_row(images, options, y + 1, arena.at, row(y + 1));
-    const std::uint8_t* const differences[] = {row(y - 1), row(y), row(y + 1)};
-    cost_row(images, options, y, differences, arena.at,
-             block.cost + (y - block.first) * block.row_stride);
   }
 }
 
@@ -406,7 +190,7 @@ HWY_NOINLINE void above_columns_of(const SgmOptions& options, const SgmBlock& bl
   constexpr bool kBits = kVectors > 0 && kVectors * kLanes <= 64;
   const std::ptrdiff_t padded = static_cast<std::ptrdiff_t>(vectors) * kLanes;
   const std::ptrdiff_t stride = padded + 2 * kLanes;
-  std::fill(memory, memory + kPixels * stride, std::uint8_t{kSgmNoCost});
+  std::fill(memory, memory + kSgmPixels * stride, std::uint8_t{kSgmNoCost});
   const std::uint32_t factor = uniqueness_factor(options.uniqueness_percent);
   const Bytes p1 = Set(U8(), static_cast<std::uint8_t>(options.p1));
   const Bytes p2 = Set(U8(), static_cast<std::uint8_t>(options.p2));
@@ -414,9 +198,9 @@ HWY_NOINLINE void above_columns_of(const SgmOptions& options, const SgmBlock& bl
     const std::ptrdiff_t row = (y - block.first) * block.row_stride;
     auto* pixels =
         reinterpret_cast<PixelResult*>(block.pixels + (y - block.first) * block.pixel_stride);
-    SumScan scans[kPixels];
-    for (int first = begin; first < end; first += kPixels) {
-      const int count = std::min(kPixels, end - first);
+    SumScan scans[kSgmPixels];
+    for (int first = begin; first < end; first += kSgmPixels) {
+      const int count = std::min(kSgmPixels, end - first);
       std::uint8_t* sums = memory + kLanes;
       for (int i = 0; i < count; ++i, sums += stride) {
         const int x = first + i;
@@ -486,9 +270,7 @@ namespace tread {
 HWY_EXPORT(padded_range);
 HWY_EXPORT(above_bytes);
 HWY_EXPORT(worker_bytes);
-HWY_EXPORT(census_row);
 HWY_EXPORT(begin_above);
-HWY_EXPORT(cost_rows);
 HWY_EXPORT(side_rows);
 HWY_EXPORT(above_columns);
 HWY_EXPORT(finish_rows);
@@ -502,16 +284,8 @@ std::size_t sgm_above_bytes(int width, int num_disparities) {
 std::size_t sgm_worker_bytes(int width, int num_disparities) {
   return HWY_DYNAMIC_DISPATCH(worker_bytes)(width, num_disparities);
 }
-void sgm_census_row(ImageView<const std::uint8_t> image, int y, std::uint8_t* memory,
-                    Image<std::uint8_t>& census) {
-  HWY_DYNAMIC_DISPATCH(census_row)(image, y, memory, census);
-}
 void sgm_begin(int width, const SgmOptions& options, std::uint8_t* above) {
   HWY_DYNAMIC_DISPATCH(begin_above)(width, options, above);
-}
-void sgm_cost_rows(const SgmImages& images, const SgmOptions& options, const SgmBlock& block,
-                   int begin, int end, std::uint8_t* memory) {
-  HWY_DYNAMIC_DISPATCH(cost_rows)(images, options, block, begin, end, memory);
 }
 void sgm_side_rows(const SgmOptions& options, int width, const SgmBlock& block, int begin,
                    int end) {
