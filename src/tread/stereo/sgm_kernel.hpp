@@ -28,8 +28,7 @@ struct SgmBlock {
   int last = 0;
   std::ptrdiff_t row_stride = 0;  // bytes: width * padded range
   std::uint8_t* cost = nullptr;
-  std::uint8_t* from_left = nullptr;
-  std::uint8_t* from_right = nullptr;
+  std::uint8_t* sides = nullptr;    // sum of the paths from the left and from the right
   std::uint8_t* above = nullptr;    // sgm_above_bytes, kept from block to block
   std::uint64_t* pixels = nullptr;  // what is found out about each pixel
   std::ptrdiff_t pixel_stride = 0;  // of a row, at least width + 64

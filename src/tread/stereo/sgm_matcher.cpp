@@ -99,11 +99,10 @@ void SgmMatcher::match(ImageView<const std::uint8_t> left, ImageView<const std::
   SgmBlock block;
   block.row_stride = static_cast<std::ptrdiff_t>(width) * padded;
   block.pixel_stride = width + 64;
-  costs_.resize(static_cast<int>(block.row_stride), 3 * block_rows);
+  costs_.resize(static_cast<int>(block.row_stride), 2 * block_rows);
   block.row_stride = costs_.stride;
   block.cost = costs_.row(0);
-  block.from_left = costs_.row(block_rows);
-  block.from_right = costs_.row(2 * block_rows);
+  block.sides = costs_.row(block_rows);
   above_.resize(static_cast<int>(sgm_above_bytes(width, options.num_disparities)), 1);
   block.above = above_.row(0);
   pixels_.resize(static_cast<int>(block.pixel_stride * 8), block_rows);

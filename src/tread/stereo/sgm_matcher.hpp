@@ -53,9 +53,9 @@ class SgmMatcher {
  private:
   Image<std::uint8_t> left_census_;
   Image<std::uint8_t> right_census_;
-  Image<std::uint8_t> costs_;   // of a block of rows: C, then the paths from both sides
-  Image<std::uint8_t> above_;   // the path from above, of the row before
-  Image<std::uint8_t> pixels_;  // results of the rows of a block
+  Image<std::uint8_t> costs_;                // of a block of rows: C, then both side paths
+  Image<std::uint8_t> above_;                // the path from above, of the row before
+  Image<std::uint8_t> pixels_;               // results of the rows of a block
   std::vector<Image<std::uint8_t>> memory_;  // by worker
 };
 

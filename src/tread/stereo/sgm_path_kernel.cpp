@@ -1,6 +1,7 @@
 // The second half of the semi-global kernel: paths along rows and columns, and the winners.
 #include <algorithm>
 #include <cstddef>
+#include <type_traits>
 
 #include "tread/stereo/sad_kernel.hpp"
 #include "tread/stereo/sgm_kernel.hpp"
@@ -46,8 +47,8 @@ void begin_above(int width, const SgmOptions& options, std::uint8_t* above) {
 }
 
 // A pixel's path from `path`, that of the pixel before with its least taken off, to its own costs
-// on it; `path` becomes that with its least taken off.
-template <int kVectors>
+// on it; `path` becomes that with its least taken off. Costs go to `out`, or are added there.
+template <int kVectors, bool kAdd>
 HWY_INLINE void step(Bytes* path, int vectors, const std::uint8_t* cost, Bytes p1, Bytes p2,
                      std::uint8_t* out) {
   const Bytes top = Set(U8(), 255);
@@ -58,7 +59,8 @@ HWY_INLINE void step(Bytes* path, int vectors, const std::uint8_t* cost, Bytes p
     const Bytes stay = Min(path[i], p2);
     now[i] =
         SaturatedAdd(Load(U8(), cost + i * kLanes), Min(stay, SaturatedAdd(Min(lower, upper), p1)));
-    Store(now[i], U8(), out + i * kLanes);
+    const Bytes sum = kAdd ? Add(now[i], Load(U8(), out + i * kLanes)) : now[i];
+    Store(sum, U8(), out + i * kLanes);
   }
   Bytes least = top;
   for (int i = 0; i < vectors; ++i) least = Min(least, now[i]);
@@ -79,16 +81,22 @@ HWY_NOINLINE void side_paths(const SgmOptions& options, int width, const SgmBloc
   const Bytes p1 = Set(U8(), static_cast<std::uint8_t>(options.p1));
   const Bytes p2 = Set(U8(), static_cast<std::uint8_t>(options.p2));
   const std::ptrdiff_t first = (row - block.first) * block.row_stride;
-  for (int x = 0; x < width; ++x) {
+  // Column x of the path from the left, and as far from the other end of that from the right: the
+  // one that comes first leaves its costs, the other one adds its own.
+  const auto step_both = [&](int x, auto add_right, auto add_left) HWY_ATTR {
     const std::ptrdiff_t ahead = first + x * padded, back = first + (width - 1 - x) * padded;
     for (int r = 0; r < kRows; ++r) {
       const std::ptrdiff_t at = r * block.row_stride;
-      step<kVectors>(right[r], vectors, block.cost + at + ahead, p1, p2,
-                     block.from_left + at + ahead);
-      step<kVectors>(left[r], vectors, block.cost + at + back, p1, p2,
-                     block.from_right + at + back);
+      step<kVectors, decltype(add_right)::value>(right[r], vectors, block.cost + at + ahead, p1, p2,
+                                                 block.sides + at + ahead);
+      step<kVectors, decltype(add_left)::value>(left[r], vectors, block.cost + at + back, p1, p2,
+                                                block.sides + at + back);
     }
-  }
+  };
+  const int half = width / 2;
+  for (int x = 0; x < half; ++x) step_both(x, std::false_type(), std::false_type());
+  if (width % 2 != 0) step_both(half, std::false_type(), std::true_type());
+  for (int x = width - half; x < width; ++x) step_both(x, std::true_type(), std::true_type());
 }
 
 template <int kVectors>
@@ -121,8 +129,8 @@ struct SumScan {
 // The path from above to a pixel, and the sum of all three, left in `sums`.
 template <int kVectors, bool kBits>
 HWY_INLINE SumScan sum_paths(std::uint8_t* above, int vectors, const std::uint8_t* cost,
-                             const std::uint8_t* from_left, const std::uint8_t* from_right, int fit,
-                             std::uint32_t margin_factor, Bytes p1, Bytes p2, std::uint8_t* sums) {
+                             const std::uint8_t* sides, int fit, std::uint32_t margin_factor,
+                             Bytes p1, Bytes p2, std::uint8_t* sums) {
   constexpr int kStore = kVectors > 0 ? kVectors : kMaxVectors;
   Bytes now[kStore], sum[kStore];
   for (int i = 0; i < vectors; ++i) {
@@ -130,8 +138,7 @@ HWY_INLINE SumScan sum_paths(std::uint8_t* above, int vectors, const std::uint8_
     const Bytes beside = Min(LoadU(U8(), path - 1), LoadU(U8(), path + 1));
     const Bytes stay = Min(Load(U8(), path), p2);
     now[i] = SaturatedAdd(Load(U8(), cost + i * kLanes), Min(stay, SaturatedAdd(beside, p1)));
-    sum[i] = SaturatedAdd(now[i], SaturatedAdd(Load(U8(), from_left + i * kLanes),
-                                               Load(U8(), from_right + i * kLanes)));
+    sum[i] = SaturatedAdd(now[i], Load(U8(), sides + i * kLanes));
     if (fit < (i + 1) * kLanes) sum[i] = Or(sum[i], outside(i, fit));
     Store(sum[i], U8(), sums + i * kLanes);
   }
@@ -208,8 +215,8 @@ HWY_NOINLINE void above_columns_of(const SgmOptions& options, const SgmBlock& bl
         // At least one, so that the sums of the first columns have a least, which nobody asks for.
         const int fit = std::clamp(x - options.min_disparity_px + 1, 1, range);
         scans[i] = sum_paths<kVectors, kBits>(block.above + kLanes + x * (padded + kLanes), vectors,
-                                              block.cost + at, block.from_left + at,
-                                              block.from_right + at, fit, factor, p1, p2, sums);
+                                              block.cost + at, block.sides + at, fit, factor, p1,
+                                              p2, sums);
       }
       sums = memory + kLanes;
       for (int i = 0; i < count; ++i, sums += stride) {
