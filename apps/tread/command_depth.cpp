@@ -11,6 +11,7 @@
 #include "tread/io/image_file.hpp"
 #include "tread/io/rig_file.hpp"
 #include "tread/stereo/disparity_range.hpp"
+#include "tread/stereo/uncertainty.hpp"
 
 namespace tread {
 namespace {
@@ -60,6 +61,7 @@ Status rectify(const DepthArguments& arguments, const Context& context, DepthRun
                 arguments.rig, "Give the rig of these images");
   }
   const StereoRig rig = shrunk(*full_rig, run.settings.shrink);
+  if (rig.mount) run.T_level_points = rig.mount->T_body_left;
   if (rig.rectified) {
     const auto rectified = rectified_rig(rig);
     if (!rectified) return forward(rectified);
@@ -117,8 +119,22 @@ Status choose_range(const Context& context, DepthRun& run) {
   const auto needed = estimate_num_disparities(run.left, run.right, run.settings.stereo, context);
   if (!needed) return forward(needed);
   int& range = run.settings.stereo.sad.num_disparities;
-  range = std::min(run.left.width, std::max(range, *needed));
+  range =
+      std::min(run.left.width - run.settings.stereo.sad.min_disparity_px, std::max(range, *needed));
   return {};
+}
+
+void rate_matches(ImageView<const std::uint8_t> residual, DepthRun& run) {
+  constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+  run.confidence = run.sigma_px = Image<float>(residual.width, residual.height, kUnknown);
+  for (int y = 0; y < residual.height; ++y) {
+    for (int x = 0; x < residual.width; ++x) {
+      if (run.disparity(x, y) == kNoMatch) continue;
+      const MatchUncertainty sure = match_uncertainty(run.settings.stereo.method, residual(x, y));
+      run.confidence(x, y) = sure.confidence;
+      run.sigma_px(x, y) = sure.sigma_px;
+    }
+  }
 }
 
 Status compute(const Context& context, DepthRun& run) {
@@ -135,6 +151,7 @@ Status compute(const Context& context, DepthRun& run) {
           d == kNoMatch ? std::numeric_limits<float>::quiet_NaN() : tread::disparity_px(d);
     }
   }
+  if (run.settings.stereo.rate) rate_matches(matcher.residual(), run);
   if (!run.rig) return {};
   const Reference reference = run.settings.stereo.sad.reference;
   depth_image(run.disparity, *run.rig, run.settings.depth, run.depth, context);
@@ -211,7 +228,8 @@ void add_depth_command(CLI::App& app, int& status, const std::string& command_li
       "  tread depth left.png right.png --rig rig.yaml --set depth.max_depth_m=20 -o out\n"
       "  tread depth --print-config > options.yaml\n"
       "Writes disparity.pfm (px, inf = no match), disparity.png, report.html; with a rig also\n"
-      "depth.tif (m, NaN = unknown) and cloud.ply. Files of an earlier run there are replaced.");
+      "depth.tif (m, NaN = unknown) and cloud.ply; with --set stereo.rate=true confidence.tif\n"
+      "(0 to 1) and sigma.tif (px). Files of an earlier run there are replaced.");
   command->callback([arguments, &status] { status = run_depth(*arguments); });
 }
 

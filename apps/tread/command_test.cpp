@@ -81,6 +81,16 @@ TEST(TreadDepth, WritesWhatItSays) {
   }
 }
 
+TEST(TreadDepth, RatesItsMatchesIfAsked) {
+  const ScratchFolder out;
+  const std::string folder = (out / "d").string();
+  ASSERT_EQ(tread("depth " + pair_arguments() + " --set stereo.rate=true -o " + folder).status, 0);
+  EXPECT_TRUE(fs::exists(out / "d/confidence.tif"));
+  EXPECT_TRUE(fs::exists(out / "d/sigma.tif"));
+  ASSERT_EQ(tread("depth " + pair_arguments() + " -o " + folder).status, 0);
+  EXPECT_FALSE(fs::exists(out / "d/confidence.tif"));  // of the run before
+}
+
 TEST(TreadDepth, ShrunkImagesKeepTheirDepths) {
   const ScratchFolder out;
   const Ran ran = tread("depth " + pair_arguments() + " --rig " + (drive() / "rig.yaml").string() +

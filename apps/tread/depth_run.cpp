@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "cloud_picture.hpp"
 #include "report.hpp"
 #include "tread/io/image_file.hpp"
 #include "tread/io/mesh_file.hpp"
@@ -80,10 +81,28 @@ Report make_report(const DepthArguments& arguments, const DepthRun& run) {
                     {.title = "Disparity",
                      .scale = disparity_scale(run),
                      .values = values_under(run.disparity_px)});
+  if (!run.confidence.empty()) {
+    const ColourScale sure{.label = "confidence",
+                           .palette = Palette::kHeight,
+                           .low = 0.5F,
+                           .high = 1.0F,
+                           .unknown_label = "no match"};
+    report.add_figure(colour_map(run.confidence, sure),
+                      {.title = "How sure each match is",
+                       .caption = "The share of such matches that are within a pixel of the truth.",
+                       .scale = sure,
+                       .values = values_under(run.confidence)});
+  }
   if (has_depth(run)) {
     report.add_figure(
         colour_map(run.depth, depth_scale(run)),
         {.title = "Depth", .scale = depth_scale(run), .values = values_under(run.depth)});
+    const bool wide = run.depth.width > 1000;
+    report.add_figure(
+        draw_cloud(run.cloud, run.T_level_points, wide ? 1200 : 640, wide ? 560 : 480),
+        {.title = "Point cloud",
+         .caption = fmt::format("{} points, seen from behind the camera and above it.",
+                                run.cloud.points.size())});
     Table table{"How finely depth is known", {"depth", "step of a quarter pixel"}, {}};
     const ValueRange range = value_range(run.depth, 0.01);
     for (int i = 0; i < 4; ++i) {
@@ -140,7 +159,8 @@ std::optional<Error> find_problem(const DepthArguments& arguments, const DepthRu
 
 Status write_results(const DepthArguments& arguments, const DepthRun& run, Output& output) {
   constexpr std::array<const char*, 3> kAlways = {"disparity.pfm", "disparity.png", "report.html"};
-  constexpr std::array<const char*, 2> kSometimes = {"depth.tif", "cloud.ply"};
+  constexpr std::array<const char*, 4> kSometimes = {"depth.tif", "cloud.ply", "confidence.tif",
+                                                     "sigma.tif"};
   FileSet set(*arguments.common.output);
   Image<float> pfm = run.disparity_px;  // PFM's word for unknown is infinity
   for (int y = 0; y < pfm.height; ++y) {
@@ -154,6 +174,10 @@ Status write_results(const DepthArguments& arguments, const DepthRun& run, Outpu
   const auto add = [&](const char* name, const auto& write) { return add_file(set, name, write); };
   Status s = add("disparity.pfm", [&](const fs::path& path) { return write_pfm(path, pfm); });
   if (s) s = add("disparity.png", [&](const fs::path& path) { return write_png(path, picture); });
+  if (s && !run.confidence.empty()) {
+    s = add("confidence.tif", [&](const fs::path& p) { return write_tiff(p, run.confidence); });
+    if (s) s = add("sigma.tif", [&](const fs::path& p) { return write_tiff(p, run.sigma_px); });
+  }
   if (s && has_depth(run)) {
     s = add("depth.tif", [&](const fs::path& path) { return write_tiff(path, run.depth); });
     if (s) s = add("cloud.ply", [&](const fs::path& path) { return write_ply(path, run.cloud); });

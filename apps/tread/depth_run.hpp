@@ -34,8 +34,11 @@ struct DepthRun {
   DepthSettings settings;
   Image<Disparity> disparity;
   Image<float> disparity_px;  // NaN where there is no match
+  Image<float> confidence;    // with stereo.rate: that a match is right, 0 to 1, NaN as above
+  Image<float> sigma_px;      // and the standard deviation of its disparity
   Image<float> depth;
   PointCloud cloud;
+  Isometry3d T_level_points = level_mount(0.0, 0.0, true).T_body_left;  // for pictures of it
   Timings timings;
   std::optional<Error> problem;  // why there is no result
 };
