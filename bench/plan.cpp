@@ -24,6 +24,7 @@
 #include <utility>
 #include <vector>
 
+#include "times.hpp"
 #include "tread/plan/a_star.hpp"
 #include "tread/plan/planner.hpp"
 
@@ -286,11 +287,6 @@ double milliseconds(const std::function<void()>& work) {
       .count();
 }
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
 struct Row {
   std::string name;
   std::size_t queries = 0;
@@ -344,11 +340,12 @@ Row measure(const Case& c, int repetitions) {
     }
     for (int k = 0; k < 4; ++k) times[k].push_back(sums[k] / n);
   }
-  row.ours_ms = median(times[0]);
-  row.hashed_ms = median(times[1]);
-  row.flat_ms = median(times[2]);
-  row.waypoints_ms = median(times[3]);
-  for (const auto& each : ours_by_query) row.longest_ms = std::max(row.longest_ms, median(each));
+  row.ours_ms = tread::bench::median(times[0]);
+  row.hashed_ms = tread::bench::median(times[1]);
+  row.flat_ms = tread::bench::median(times[2]);
+  row.waypoints_ms = tread::bench::median(times[3]);
+  for (const auto& each : ours_by_query)
+    row.longest_ms = std::max(row.longest_ms, tread::bench::median(each));
   return row;
 }
 

@@ -6,12 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "times.hpp"
 #include "tread/geometry/stereo_rig.hpp"
 #include "tread/stereo/depth.hpp"
 #include "tread/terrain/cost_map.hpp"
@@ -44,19 +44,6 @@ Image<float> render_depth(const RectifiedRig& rig, const Isometry3d& T_world_cam
     }
   }
   return depth;
-}
-
-// Processor time of this thread: other work on the machine does not count.
-double cpu_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
 }
 
 }  // namespace
@@ -114,17 +101,17 @@ int main(int argc, char** argv) {
     const LevelPose pose{{s, 20.0 * std::sin(0.03 * s), 0.0}, yaw};
     Timings timings;
     const Context context{1, &timings};
-    const double start_ms = cpu_ms();
+    const double start_ms = bench::cpu_ms();
     ground.heights_below(local_grid, pose, known, context);
     const Grid<float>& height = builder.build(cloud.points, mount.T_body_left, local_grid,
                                               local_options, {&known}, context);
     sobel_squared(height, derivative, context);
     if (!ground.integrate(height, derivative, pose, {}, context)) return 1;
     cost.update(ground, ground.take_changes(), context);
-    totals.push_back(cpu_ms() - start_ms);
+    totals.push_back(bench::cpu_ms() - start_ms);
     for (const auto& [name, entry] : timings.entries()) stages[name].push_back(entry.total_ms);
     if ((frame + 1) % 500 == 0) {
-      const double ms = median({totals.end() - 200, totals.end()});
+      const double ms = bench::median({totals.end() - 200, totals.end()});
       const double cells = static_cast<double>(ground.cells().tile_count()) *
                            TiledGrid<GroundCell>::kTileCells * TiledGrid<GroundCell>::kTileCells;
       growth.push_back({{"driven_m", s}, {"cells_in_tiles", cells}, {"ms", ms}});
@@ -136,16 +123,16 @@ int main(int argc, char** argv) {
     fmt::print("\nstages, {} points of one 640x480 depth image, one core (median of {})\n", points,
                kFrames);
   for (const auto& [name, values] : stages) {
-    const double ms = median(values);
+    const double ms = bench::median(values);
     result["stages_ms"][name] = ms;
     if (!json) fmt::print("{:22} {:8.3f} ms\n", name, ms);
   }
-  result["total_ms"] = median(totals);
+  result["total_ms"] = bench::median(totals);
   result["growth"] = growth;
   if (json) {
     fmt::print("{}\n", result.dump(2));
   } else {
-    fmt::print("{:22} {:8.3f} ms\n", "total", median(totals));
+    fmt::print("{:22} {:8.3f} ms\n", "total", bench::median(totals));
   }
   return 0;
 }

@@ -7,13 +7,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "stereo_pairs.hpp"
+#include "times.hpp"
 #include "tread/core/raw_image.hpp"
 #include "tread/geometry/rectification.hpp"
 #include "tread/stereo/depth.hpp"
@@ -25,19 +25,6 @@ using namespace tread;
 
 constexpr int kWidth = 640, kHeight = 480;
 constexpr int kBits = 12;
-
-// Processor time of this thread: other work on the machine does not count.
-double cpu_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
-}
 
 StereoRig distorted_rig() {
   StereoRig rig = bumblebee2(kWidth);
@@ -109,7 +96,7 @@ int main(int argc, char** argv) {
   for (int frame = 0; frame < kFrames; ++frame) {
     Timings timings;
     const Context context{1, &timings};
-    const double start_ms = cpu_ms();
+    const double start_ms = bench::cpu_ms();
     for (const auto& [raw, grey] : {std::pair{&raw_left, &grey_left}, {&raw_right, &grey_right}}) {
       const RawImage delivered{raw->row(0),          kWidth, kHeight, 2 * raw->stride,
                                PixelFormat::kGrey16, kBits};
@@ -121,7 +108,7 @@ int main(int argc, char** argv) {
     if (!disparity) return 1;
     depth_image(*disparity, rectification.rig, {0.0, 100.0}, depth, context);
     depth_cloud(depth, rectification.rig, Reference::kLeft, {}, cloud, context);
-    totals.push_back(cpu_ms() - start_ms);
+    totals.push_back(bench::cpu_ms() - start_ms);
     density = disparity_density(*disparity);
     for (const auto& [name, entry] : timings.entries()) stages[name].push_back(entry.total_ms);
   }
@@ -129,16 +116,16 @@ int main(int argc, char** argv) {
   if (!json)
     fmt::print("640x480x64, {:.1f} % matched, {} points\n", 100 * density, cloud.points.size());
   for (const auto& [name, values] : stages) {
-    result["stages_ms"][name] = median(values);
-    if (!json) fmt::print("{:22} {:8.3f} ms\n", name, median(values));
+    result["stages_ms"][name] = bench::median(values);
+    if (!json) fmt::print("{:22} {:8.3f} ms\n", name, bench::median(values));
   }
-  result["total_ms"] = median(totals);
+  result["total_ms"] = bench::median(totals);
   result["density"] = density;
   result["points"] = cloud.points.size();
   if (json) {
     fmt::print("{}\n", result.dump(2));
   } else {
-    fmt::print("{:22} {:8.3f} ms\n", "total", median(totals));
+    fmt::print("{:22} {:8.3f} ms\n", "total", bench::median(totals));
   }
   return 0;
 }

@@ -75,70 +75,33 @@ HWY_INLINE void sort_two(V& a, V& b) {
   a = less;
 }
 
-// The median of the 3x3 neighbourhood of a hole, whose eight neighbours are sorted by Batcher's
-// network; the unknown ones, being the largest, come last.
-template <class D>
-HWY_INLINE hn::Vec<D> median_at(D d, const Disparity* above, const Disparity* here,
-                                const Disparity* below, const MedianRule& rule) {
+// The eight neighbours are sorted by Batcher's network; the unknown ones, being the largest, come
+// last.
+void fill_holes_here(const Neighbourhoods& around, const MedianRule& rule, Disparity* filled) {
+  const U16 d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
   const auto hole = hn::Set(d, kNoMatch);
-  hn::Vec<D> v[8] = {hn::LoadU(d, above - 1), hn::LoadU(d, above),    hn::LoadU(d, above + 1),
-                     hn::LoadU(d, here - 1),  hn::LoadU(d, here + 1), hn::LoadU(d, below - 1),
-                     hn::LoadU(d, below),     hn::LoadU(d, below + 1)};
-  // Most holes lie among holes.
-  auto known = hn::Zero(d);
-  for (const auto& value : v) known = hn::Sub(known, hn::VecFromMask(d, hn::Ne(value, hole)));
-  const auto enough = hn::Set(d, static_cast<Disparity>(rule.min_known - 1));
-  const auto fillable = hn::And(hn::Gt(known, enough), hn::Eq(hn::LoadU(d, here), hole));
-  if (hn::AllFalse(d, fillable)) return hole;
-  constexpr int kNetwork[19][2] = {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3}, {4, 6},
-                                   {5, 7}, {1, 2}, {5, 6}, {0, 4}, {1, 5}, {2, 6}, {3, 7},
-                                   {2, 4}, {3, 5}, {1, 2}, {3, 4}, {5, 6}};
-  for (const auto& [a, b] : kNetwork) sort_two(v[a], v[b]);
-  // Of n known ones number n / 2.
-  auto median = v[4];
-  auto last = v[0];
-  if (!rule.of_all) {
-    median = v[0];
-    for (int n = 2; n <= 8; n += 2) {
-      median = hn::IfThenElse(hn::Eq(v[n - 1], hole), median, v[n / 2]);
-    }
-  }
-  for (int n = 1; n < 8; ++n) last = hn::IfThenElse(hn::Eq(v[n], hole), last, v[n]);
-  const auto spread = hn::Sub(last, v[0]);
   const auto most = hn::Set(d, static_cast<Disparity>(rule.max_spread));
-  median = hn::IfThenElse(hn::Eq(v[rule.min_known - 1], hole), hole, median);
-  return hn::IfThenElse(hn::Eq(hn::Min(spread, most), spread), median, hole);
-}
-
-template <class D>
-HWY_INLINE void fill_at(D d, int x, const Disparity* above, const Disparity* here,
-                        const Disparity* below, const Disparity* previous, bool spatial,
-                        const MedianRule& rule, Disparity* out) {
-  const auto hole = hn::Set(d, kNoMatch);
-  const auto now = hn::LoadU(d, here + x);
-  if (hn::AllFalse(d, hn::Eq(now, hole))) {
-    hn::StoreU(now, d, out + x);
-    return;
-  }
-  auto filled = spatial ? median_at(d, above + x, here + x, below + x, rule) : hole;
-  if (previous != nullptr) {
-    const auto before = hn::LoadU(d, previous + x);
-    filled = hn::IfThenElse(hn::Eq(before, hole), filled, before);
-  }
-  hn::StoreU(hn::IfThenElse(hn::Eq(now, hole), filled, now), d, out + x);
-}
-
-void fill_row_here(const Disparity* above, const Disparity* here, const Disparity* below, int width,
-                   const Disparity* previous, bool spatial, const MedianRule& rule,
-                   Disparity* out) {
-  const U16 u16;
-  const int lanes = static_cast<int>(hn::Lanes(u16));
-  int x = 0;
-  for (; x + lanes <= width; x += lanes) {
-    fill_at(u16, x, above, here, below, previous, spatial, rule, out);
-  }
-  for (; x < width; ++x) {
-    fill_at(hn::CappedTag<std::uint16_t, 1>(), x, above, here, below, previous, spatial, rule, out);
+  for (int x = 0; x < Neighbourhoods::kMost; x += lanes) {
+    hn::Vec<U16> v[8];
+    for (int i = 0; i < 8; ++i) v[i] = hn::Load(d, around.values[i] + x);
+    constexpr int kNetwork[19][2] = {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3}, {4, 6},
+                                     {5, 7}, {1, 2}, {5, 6}, {0, 4}, {1, 5}, {2, 6}, {3, 7},
+                                     {2, 4}, {3, 5}, {1, 2}, {3, 4}, {5, 6}};
+    for (const auto& [a, b] : kNetwork) sort_two(v[a], v[b]);
+    auto median = v[4];  // of nine the fifth
+    if (!rule.of_all) {  // of n known ones number n / 2
+      median = v[0];
+      for (int n = 2; n <= 8; n += 2) {
+        median = hn::IfThenElse(hn::Eq(v[n - 1], hole), median, v[n / 2]);
+      }
+    }
+    auto last = v[0];
+    for (int n = 1; n < 8; ++n) last = hn::IfThenElse(hn::Eq(v[n], hole), last, v[n]);
+    const auto spread = hn::Sub(last, v[0]);
+    median = hn::IfThenElse(hn::Eq(v[rule.min_known - 1], hole), hole, median);
+    median = hn::IfThenElse(hn::Eq(hn::Min(spread, most), spread), median, hole);
+    hn::StoreU(median, d, filled + x);
   }
 }
 
@@ -182,6 +145,25 @@ HWY_INLINE std::uint64_t bits_of(D d, M mask) {
   std::uint64_t bits = 0;
   std::memcpy(&bits, bytes, sizeof(bits));
   return bits;
+}
+
+void known_row_here(const Disparity* row, int width, std::uint64_t* known) {
+  const U16 d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const auto hole = hn::Set(d, kNoMatch);
+  HWY_ALIGN Disparity last[64];
+  for (int first = 0; first < width; first += 64) {
+    const Disparity* from = row + first;
+    if (width - first < 64) {
+      std::fill(std::copy(from, row + width, last), last + 64, kNoMatch);
+      from = last;
+    }
+    std::uint64_t bits = 0;
+    for (int x = 0; x < 64; x += lanes) {
+      bits |= bits_of(d, hn::Ne(hn::LoadU(d, from + x), hole)) << x;
+    }
+    known[first / 64] = bits;
+  }
 }
 
 void link_row_here(const Disparity* above, const Disparity* here, int width, int limit,
@@ -233,7 +215,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace tread {
 HWY_EXPORT(gradient_row_here);
-HWY_EXPORT(fill_row_here);
+HWY_EXPORT(fill_holes_here);
+HWY_EXPORT(known_row_here);
 HWY_EXPORT(link_row_here);
 HWY_EXPORT(steady_row_here);
 
@@ -242,9 +225,12 @@ void gradient_row(const std::uint8_t* above, const std::uint8_t* here, const std
   HWY_DYNAMIC_DISPATCH(gradient_row_here)(above, here, below, width, limit, out);
 }
 
-void fill_row(const Disparity* above, const Disparity* here, const Disparity* below, int width,
-              const Disparity* previous, bool spatial, const MedianRule& rule, Disparity* out) {
-  HWY_DYNAMIC_DISPATCH(fill_row_here)(above, here, below, width, previous, spatial, rule, out);
+void fill_holes(const Neighbourhoods& around, const MedianRule& rule, Disparity* filled) {
+  HWY_DYNAMIC_DISPATCH(fill_holes_here)(around, rule, filled);
+}
+
+void known_row(const Disparity* row, int width, std::uint64_t* known) {
+  HWY_DYNAMIC_DISPATCH(known_row_here)(row, width, known);
 }
 
 void steady_row(const Disparity* now, const Disparity* seen, Disparity* result, int width,

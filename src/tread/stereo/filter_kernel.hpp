@@ -13,16 +13,21 @@ namespace tread {
 void gradient_row(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below,
                   int width, int limit, std::uint8_t* out);
 
-// One row of holes filled: from `previous` where that knows (null: not used), else, if spatial,
-// with the median of the neighbourhood by `rule`. The rows have one pixel more on both sides,
-// which is kNoMatch.
+// The neighbourhoods of up to 64 holes, a lane each: their eight neighbours.
+struct Neighbourhoods {
+  static constexpr int kMost = 64;
+  alignas(64) Disparity values[8][kMost];
+};
+// How a hole is filled with the median of its neighbourhood; kNoMatch where the rule is not met.
 struct MedianRule {
   bool of_all;          // the fifth of all nine, "no match" the largest; else of the known ones
   int min_known;        // 1 to 8; of_all: 5
   unsigned max_spread;  // between the smallest and the largest known value; kNoMatch: any
 };
-void fill_row(const Disparity* above, const Disparity* here, const Disparity* below, int width,
-              const Disparity* previous, bool spatial, const MedianRule& rule, Disparity* out);
+void fill_holes(const Neighbourhoods& around, const MedianRule& rule, Disparity* filled);
+
+// Bit x % 64 of word x / 64, for (width + 63) / 64 words: whether pixel x is known.
+void known_row(const Disparity* row, int width, std::uint64_t* known);
 
 // One row of `now` against the frame before as matched, `seen`, and as filtered, `result`, which is
 // replaced by that of this frame: `now` where `seen` is within max_change (or, without confirm,

@@ -49,7 +49,8 @@ class HoleFilter {
   Image<Disparity> previous_;
   Image<Disparity> raw_;
   Image<Disparity> buffer_;
-  std::vector<Image<Disparity>> rows_;  // by worker
+  std::vector<Disparity> unknown_;                 // a row without any, above and below the image
+  std::vector<std::vector<std::uint64_t>> known_;  // by worker: which pixels of three rows are
 };
 
 }  // namespace tread

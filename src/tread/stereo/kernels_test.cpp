@@ -12,6 +12,7 @@
 #include "instruction_sets.hpp"
 #include "tread/stereo/edge_image.hpp"
 #include "tread/stereo/filter_kernel.hpp"
+#include "tread/stereo/hole_filter.hpp"
 #include "tread/stereo/sad_plain.hpp"
 #include "tread/stereo/sgm_matcher.hpp"
 
@@ -256,51 +257,64 @@ TEST(GradientRow, EqualsItsDefinitionOnEveryInstructionSet) {
   });
 }
 
-TEST(FillRow, TakesThePreviousThenTheMedianOnEveryInstructionSet) {
-  constexpr MedianRule kRules[] = {{true, 5, kNoMatch}, {true, 5, 300}, {false, 1, kNoMatch},
-                                   {false, 3, 500},     {false, 5, 48}, {false, 6, 0},
-                                   {false, 8, kNoMatch}};
-  // By its definition, from the nine values.
-  const auto median = [](std::vector<Disparity> nine, const MedianRule& rule) {
-    std::sort(nine.begin(), nine.end());
-    const auto known = std::find(nine.begin(), nine.end(), kNoMatch) - nine.begin();
-    if (known < rule.min_known) return kNoMatch;
-    if (nine[static_cast<std::size_t>(known - 1)] - nine[0] > static_cast<int>(rule.max_spread)) {
-      return kNoMatch;
+// All rules on images of many sizes: what is known stays, holes take the previous frame's value, or
+// else the median of their neighbourhood.
+TEST(FillHoles, EqualsItsDefinitionOnEveryInstructionSetAndThreadCount) {
+  using O = HoleFilterOptions;
+  std::vector<O> rules(7);
+  rules[0].median = rules[1].median = O::Median::kAll;
+  rules[0].max_spread_px = rules[2].max_spread_px = 0.0;
+  rules[1].max_spread_px = 5.0;
+  rules[2].min_known = 1;
+  rules[3].min_known = 3;
+  rules[4].max_spread_px = 2.0;
+  rules[5].min_known = 6;
+  rules[6].min_known = 8;
+  const auto filled = [](const Image<Disparity>& image, int x, int y, const O& o) {
+    std::vector<Disparity> known;
+    for (int v = std::max(0, y - 1); v <= std::min(image.height - 1, y + 1); ++v) {
+      for (int u = std::max(0, x - 1); u <= std::min(image.width - 1, x + 1); ++u) {
+        if (image(u, v) != kNoMatch) known.push_back(image(u, v));
+      }
     }
-    return nine[rule.of_all ? 4 : static_cast<std::size_t>(known / 2)];
+    const bool all = o.median == O::Median::kAll;
+    if (known.size() < static_cast<std::size_t>(all ? 5 : o.min_known)) return kNoMatch;
+    std::sort(known.begin(), known.end());
+    const double spread_px = disparity_px(known.back()) - disparity_px(known.front());
+    if (o.max_spread_px > 0.0 && spread_px > o.max_spread_px) return kNoMatch;
+    return known[all ? 4 : known.size() / 2];
   };
   on_every_target([&] {
-    for (int width : {1, 7, 8, 15, 16, 31, 32, 33, 100, 300}) {
-      for (const MedianRule& rule : kRules) {
-        std::mt19937 random(static_cast<unsigned>(width) + rule.max_spread);
-        const unsigned levels = rule.max_spread == kNoMatch ? 0xFFFF : rule.max_spread * 3 / 2 + 1;
-        const unsigned holes = 2 + random() % 4;
-        const auto value = [&] {
-          return random() % holes == 0 ? kNoMatch : static_cast<Disparity>(random() % levels);
-        };
-        std::array<std::vector<Disparity>, 4> rows;  // three around the row, and the previous one
-        for (auto& row : rows) {
-          row.resize(static_cast<std::size_t>(width) + 2);
-          std::generate(row.begin(), row.end(), value);
-        }
-        for (const bool with_previous : {false, true}) {
-          for (const bool spatial : {false, true}) {
-            std::vector<Disparity> out(static_cast<std::size_t>(width));
-            fill_row(rows[0].data() + 1, rows[1].data() + 1, rows[2].data() + 1, width,
-                     with_previous ? rows[3].data() + 1 : nullptr, spatial, rule, out.data());
-            for (std::size_t x = 1; x <= static_cast<std::size_t>(width); ++x) {
-              std::vector<Disparity> nine;
-              for (int i = 0; i < 3; ++i) {
-                const auto& row = rows[static_cast<std::size_t>(i)];
-                nine.insert(nine.end(), row.begin() + static_cast<std::ptrdiff_t>(x) - 1,
-                            row.begin() + static_cast<std::ptrdiff_t>(x) + 2);
-              }
-              Disparity expected = rows[1][x];
-              if (expected == kNoMatch && with_previous) expected = rows[3][x];
-              if (expected == kNoMatch && spatial) expected = median(nine, rule);
-              ASSERT_EQ(out[x - 1], expected) << width << " " << x;
+    for (const int width : {1, 2, 5, 63, 64, 65, 130, 300}) {
+      for (std::size_t rule = 0; rule < rules.size(); ++rule) {
+        std::mt19937 random(static_cast<unsigned>(width) + static_cast<unsigned>(rule));
+        O options = rules[rule];
+        options.temporal = random() % 2 == 0;
+        const unsigned holes = 2 + random() % 4, levels = random() % 2 == 0 ? 0xFFFF : 300;
+        const auto random_image = [&] {
+          Image<Disparity> image(width, 70);
+          for (int y = 0; y < image.height; ++y) {
+            for (int x = 0; x < width; ++x) {
+              image(x, y) =
+                  random() % holes == 0 ? kNoMatch : static_cast<Disparity>(random() % levels);
             }
+          }
+          return image;
+        };
+        HoleFilter filter;
+        Context context;
+        context.threads = 1 + static_cast<int>(random() % 2);
+        const Image<Disparity> before = random_image(), now = random_image();
+        Image<Disparity> image = before;
+        filter.apply(image, options, context);
+        image = now;
+        filter.apply(image, options, context);
+        for (int y = 0; y < now.height; ++y) {
+          for (int x = 0; x < width; ++x) {
+            Disparity expected = now(x, y);
+            if (expected == kNoMatch && options.temporal) expected = before(x, y);
+            if (expected == kNoMatch) expected = filled(now, x, y, options);
+            ASSERT_EQ(image(x, y), expected) << width << " rule " << rule << " " << x << " " << y;
           }
         }
       }
