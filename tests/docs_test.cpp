@@ -1,7 +1,11 @@
 // The defaults that docs/pipeline.md tells are those of the program, and all options are told.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <regex>
 #include <string>
@@ -86,6 +90,58 @@ TEST(PipelinePage, DefaultsAreThoseOfTheProgram) {
           << ", not " << there;
     }
   }
+}
+
+// What a heading is called in links: small letters, blanks as hyphens, no other signs.
+std::string anchor_of(const std::string& heading) {
+  std::string anchor;
+  for (const char c : heading) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_') {
+      anchor += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    } else if (c == ' ') {
+      anchor += '-';
+    }
+  }
+  return anchor;
+}
+
+TEST(Docs, LinksLeadToFilesAndHeadings) {
+  namespace fs = std::filesystem;
+  const fs::path root(TREAD_SOURCE_DIR);
+  std::vector<fs::path> pages = {root / "README.md", root / "BENCHMARKS.md"};
+  for (const auto& entry : fs::directory_iterator(root / "docs")) {
+    if (entry.path().extension() == ".md") pages.push_back(entry.path());
+  }
+  std::map<fs::path, std::vector<std::string>> anchors;
+  const auto anchors_of = [&](const fs::path& page) -> const std::vector<std::string>& {
+    auto [found, fresh] = anchors.try_emplace(page);
+    if (!fresh) return found->second;
+    std::ifstream file(page);
+    for (std::string line; std::getline(file, line);) {
+      if (line.starts_with("#")) {
+        found->second.push_back(anchor_of(line.substr(line.find_first_not_of("# "))));
+      }
+    }
+    return found->second;
+  };
+  int links = 0;
+  const std::regex link(R"(\]\(([^)#\s]*)(#[^)\s]+)?\))");
+  for (const fs::path& page : pages) {
+    std::ifstream file(page);
+    const std::string text((std::istreambuf_iterator<char>(file)), {});
+    for (std::sregex_iterator match(text.begin(), text.end(), link), end; match != end; ++match) {
+      const std::string target = (*match)[1].str(), anchor = (*match)[2].str();
+      if (target.find("://") != std::string::npos) continue;
+      ++links;
+      const fs::path to = target.empty() ? page : (page.parent_path() / target).lexically_normal();
+      EXPECT_TRUE(fs::exists(to)) << page << " links to " << target;
+      if (anchor.empty() || to.extension() != ".md") continue;
+      const auto& there = anchors_of(to);
+      EXPECT_NE(std::find(there.begin(), there.end(), anchor.substr(1)), there.end())
+          << page << " links to " << target << anchor;
+    }
+  }
+  EXPECT_GT(links, 20);
 }
 
 }  // namespace

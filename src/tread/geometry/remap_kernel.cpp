@@ -1,5 +1,7 @@
 #include "tread/geometry/remap_kernel.hpp"
 
+#include <limits>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tread/geometry/remap_kernel.cpp"
 #include <hwy/foreach_target.h>
@@ -51,7 +53,8 @@ void remap_row_here(ImageView<const std::uint8_t> input, const RemapTable::Entry
   const auto* upper = reinterpret_cast<const std::int32_t*>(input.data);
   const auto* lower = reinterpret_cast<const std::int32_t*>(input.data + input.stride);
   // Lanes of kOutside load from the first pixel.
-  const bool vectors = input.width >= 4 && input.height >= 2;
+  const bool vectors = input.width >= 4 && input.height >= 2 &&
+                       input.stride * input.height <= std::numeric_limits<std::int32_t>::max();
   int i = 0;
   for (; vectors && i + lanes <= width; i += lanes) {
     Lane u, v;

@@ -17,8 +17,10 @@ inline constexpr int kMaxDisparity = 1022;  // px, of any search range
 
 // What is left at a match: its cost over the slope of the cost beside it, max(l, r) - c, in 1/16.
 // The noise of a cost grows with the cost, and moves its minimum the more the flatter that lies:
-// see uncertainty.hpp. kNoResidual: as large or larger, no minimum, filled, or no match.
+// see uncertainty.hpp. kLargestResidual: as large or larger, or no minimum; kNoResidual: no match,
+// or filled from others.
 inline constexpr int kResidualScale = 16;
+inline constexpr std::uint8_t kLargestResidual = 254;
 inline constexpr std::uint8_t kNoResidual = 255;
 
 // Where matching writes to: images of one size; `residual` may be empty, it is then not made.

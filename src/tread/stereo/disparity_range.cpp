@@ -31,8 +31,9 @@ Result<int> estimate_num_disparities(ImageView<const std::uint8_t> left,
   StereoOptions coarse = options;
   coarse.method = StereoMethod::kSad;
   coarse.sad.min_disparity_px = 0;
-  coarse.sad.num_disparities = std::max(1, small_left.width / 2);
+  coarse.sad.num_disparities = std::clamp(small_left.width / 2, 1, kMaxDisparity / kShrink + 1);
   coarse.holes.spatial = coarse.holes.temporal = false;
+  coarse.temporal.enabled = coarse.rate = false;
   coarse.speckle.max_size_px /= kShrink * kShrink;
   StereoMatcher matcher;
   const auto disparity = matcher.match(small_left, small_right, coarse, untimed);

@@ -88,5 +88,15 @@ TEST(DisparityRange, WithoutTextureTheLeastAndNeverWiderThanTheImage) {
   EXPECT_FALSE(estimate_num_disparities({}, {}, {}));
 }
 
+// At a quarter of its width such a pair is still wider than any search.
+TEST(DisparityRange, VeryWidePairsAreNoError) {
+  const testing::Pair pair = testing::textured_pair(8200, 24, 3, [](int, int) { return 60.0; });
+  StereoOptions options;
+  const auto needed = estimate_num_disparities(pair.left, pair.right, options);
+  ASSERT_TRUE(needed) << needed.error().message();
+  EXPECT_GE(*needed, 61);
+  EXPECT_LE(*needed, 96);
+}
+
 }  // namespace
 }  // namespace tread

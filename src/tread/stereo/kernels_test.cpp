@@ -223,12 +223,44 @@ TEST(SgmKernel, EqualsThePlainFormOnEveryInstructionSetAndThreadCount) {
     c.options.num_disparities = 1 + below(std::min(300, c.width - c.options.min_disparity_px));
     c.options.p2 = below(50);
     c.options.p1 = below(c.options.p2 + 1);
-    c.options.uniqueness_percent = below(3) * 4;
+    c.options.uniqueness_percent = std::array{0, 4, 30, 100}[static_cast<std::size_t>(below(4))];
     c.options.left_right_tolerance_px = below(4) - 1;
     c.options.strict_sub_pixel = below(2) == 0;
     c.options.sub_pixel = below(2) == 0 ? SubPixel::kSymmetricV : SubPixel::kParabola;
     expect_sgm_equal_to_plain(c);
     if (::testing::Test::HasFailure()) return;
+  }
+}
+
+// Costs as large as they get: an image against its negative.
+TEST(SgmKernel, EqualsThePlainFormWhereNothingFits) {
+  for (const int range : {5, 16, 33, 65}) {
+    for (const int p1 : {20, 49}) {
+      std::mt19937 random(static_cast<unsigned>(range + p1));
+      Image<std::uint8_t> left(200, 40), right(200, 40), left_edges, right_edges;
+      for (int y = 0; y < left.height; ++y) {
+        for (int x = 0; x < left.width; ++x) {
+          left(x, y) = static_cast<std::uint8_t>(random());
+          right(x, y) = static_cast<std::uint8_t>(255 - left(x, y));
+        }
+      }
+      edge_image(left, {}, left_edges);
+      edge_image(right, {}, right_edges);
+      SgmOptions options;
+      options.num_disparities = range;
+      options.p1 = p1;
+      options.uniqueness_percent = 100;
+      options.left_right_tolerance_px = -1;
+      const auto match = [&] {
+        SgmMatcher matcher;
+        Image<Disparity> found;
+        matcher.match(left, right, left_edges, right_edges, options, found);
+        return found;
+      };
+      hwy::SetSupportedTargetsForTest(HWY_STATIC_TARGET);  // the plain form
+      const Image<Disparity> expected = match();
+      on_every_target([&] { ASSERT_TRUE(match() == expected) << range << " " << p1; });
+    }
   }
 }
 

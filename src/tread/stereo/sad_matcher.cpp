@@ -20,21 +20,28 @@ int band_rows(int height) {
   return (height + bands - 1) / bands;
 }
 
-// Takes the disparities off the pixels whose window leaves the image.
-void clear_border(const SadOptions& options, Image<Disparity>& disparity) {
-  const int rx = std::min(options.window_width_px / 2, disparity.width);
+// Takes the match off the pixels first to last - 1 of a row.
+void clear(const MatchOutput& out, int y, int first, int last) {
+  std::fill(out.disparity.row(y) + first, out.disparity.row(y) + last, kNoMatch);
+  if (out.residual.empty()) return;
+  std::fill(out.residual.row(y) + first, out.residual.row(y) + last, kNoResidual);
+}
+
+// Takes it off the pixels whose window leaves the image.
+void clear_border(const SadOptions& options, const MatchOutput& out) {
+  const int width = out.disparity.width, height = out.disparity.height;
+  const int rx = std::min(options.window_width_px / 2, width);
   const int ry = options.window_height_px / 2;
-  for (int y = 0; y < disparity.height; ++y) {
-    Disparity* row = disparity.row(y);
-    const bool outside = y < ry || y >= disparity.height - ry;
-    std::fill(row, outside ? row + disparity.width : row + rx, kNoMatch);
-    std::fill(row + disparity.width - rx, row + disparity.width, kNoMatch);
+  for (int y = 0; y < height; ++y) {
+    const bool outside = y < ry || y >= height - ry;
+    clear(out, y, 0, outside ? width : rx);
+    clear(out, y, width - rx, width);
   }
 }
 
-// Takes the disparities off the windows with little texture: mean of |edges - 128|.
+// Takes it off the windows with little texture: mean of |edges - 128|.
 void clear_plain(ImageView<const std::uint8_t> edges, const SadOptions& options,
-                 std::vector<int>& column_sums, Image<Disparity>& disparity) {
+                 std::vector<int>& column_sums, const MatchOutput& out) {
   const int rx = options.window_width_px / 2, ry = options.window_height_px / 2;
   const double needed = options.min_texture * options.window_width_px * options.window_height_px;
   column_sums.assign(static_cast<std::size_t>(edges.width), 0);
@@ -54,7 +61,7 @@ void clear_plain(ImageView<const std::uint8_t> edges, const SadOptions& options,
     for (int x = -rx; x < rx; ++x) texture += column(x);
     for (int x = 0; x < edges.width; ++x) {
       texture += column(x + rx);
-      if (static_cast<double>(texture) < needed) disparity(x, y) = kNoMatch;
+      if (static_cast<double>(texture) < needed) clear(out, y, x, x + 1);
       texture -= column(x - rx);
     }
     add_row(y - ry, -1);
@@ -126,8 +133,8 @@ void SadMatcher::match(ImageView<const std::uint8_t> left, ImageView<const std::
                                  memory_[static_cast<std::size_t>(worker)], output);
                     }
                   });
-  if (options.min_texture > 0.0) clear_plain(images.reference, options, column_sums_, disparity);
-  if (options.border == Border::kFullWindow) clear_border(options, disparity);
+  if (options.min_texture > 0.0) clear_plain(images.reference, options, column_sums_, output);
+  if (options.border == Border::kFullWindow) clear_border(options, output);
 }
 
 }  // namespace tread

@@ -90,8 +90,7 @@ class PlainBand {
   void rate_row(const Disparity* found, std::uint8_t* residual) const {
     for (int x = 0; x < width_; ++x) {
       const Winner& w = winners_[static_cast<std::size_t>(images_.mirrored ? width_ - 1 - x : x)];
-      const bool known = found[x] != kNoMatch && w.slope > 0;
-      residual[x] = known ? residual_of(w.cost, w.slope) : kNoResidual;
+      residual[x] = found[x] == kNoMatch ? kNoResidual : residual_of(w.cost, w.slope);
     }
   }
 

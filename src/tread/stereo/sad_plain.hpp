@@ -8,9 +8,10 @@
 
 namespace tread {
 
-// Of a match of this cost, with a slope above 0.
+// Of a match of this cost; its slope is 0 or less where there is no minimum.
 [[nodiscard]] inline std::uint8_t residual_of(int cost, int slope) {
-  return static_cast<std::uint8_t>(std::min(cost * kResidualScale / slope, int{kNoResidual}));
+  if (slope <= 0) return kLargestResidual;
+  return static_cast<std::uint8_t>(std::min(cost * kResidualScale / slope, int{kLargestResidual}));
 }
 
 // Rows first to last - 1 of the output, which has the size of the images.

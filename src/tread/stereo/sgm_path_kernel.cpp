@@ -119,6 +119,11 @@ void side_rows(const SgmOptions& options, int width, const SgmBlock& block, int 
   }
 }
 
+// Up to where a sum is ambiguous beside the least: below kSgmNoCost, which stands for no disparity.
+HWY_INLINE std::uint32_t limit_of(std::uint32_t least, std::uint32_t margin_factor) {
+  return std::min<std::uint32_t>(least + (least * margin_factor >> 16), kSgmNoCost - 1);
+}
+
 // What one look at the sums of a pixel finds.
 struct SumScan {
   std::uint64_t equal;  // kBits: lanes that cost the least; else the first of them
@@ -153,8 +158,8 @@ HWY_INLINE SumScan sum_paths(std::uint8_t* above, int vectors, const std::uint8_
   const auto lane = least_byte_of(U8(), cheapest);
   const Bytes all = spread_byte(lane);
   SumScan found{0, 0, static_cast<std::uint32_t>(GetLane(lane))};
-  const auto margin = static_cast<std::uint8_t>(found.least * margin_factor >> 16);
-  const Bytes limit = Set(U8(), margin);
+  const Bytes limit =
+      Set(U8(), static_cast<std::uint8_t>(limit_of(found.least, margin_factor) - found.least));
   for (int i = vectors - 1; i >= 0; --i) {
     const Bytes excess = Sub(sum[i], all);
     const std::uint64_t equal = bits_of(Eq(excess, Zero(U8())));
@@ -182,7 +187,7 @@ HWY_INLINE PixelResult settle(const SumScan& found, const std::uint8_t* sums,
     const std::uint64_t best = found.equal & (~found.equal + 1);
     ambiguous = (found.close & ~(best | best << 1 | best >> 1)) != 0;
   } else {
-    const std::uint32_t limit = found.least + (found.least * margin_factor >> 16);
+    const std::uint32_t limit = limit_of(found.least, margin_factor);
     const std::uint64_t own = 1U + (before <= limit ? 1U : 0U) + (behind <= limit ? 1U : 0U);
     ambiguous = found.close != own;
   }

@@ -125,9 +125,8 @@ class PlainSgm {
   }
 
   [[nodiscard]] std::uint8_t rate(const int* s, int fit, int index) const {
-    if (index == 0 || index == fit - 1) return kNoResidual;
-    const int slope = std::max(s[index - 1], s[index + 1]) - s[index];
-    return slope > 0 ? residual_of(s[index], slope) : kNoResidual;
+    if (index == 0 || index == fit - 1) return kLargestResidual;
+    return residual_of(s[index], std::max(s[index - 1], s[index + 1]) - s[index]);
   }
 
   [[nodiscard]] bool unique(const int* s, int fit, int index) const {

@@ -23,6 +23,11 @@ Status check_images(ImageView<const std::uint8_t> left, ImageView<const std::uin
 }
 
 Status check_against_image(const StereoOptions& options, int width) {
+  constexpr int kWidest = 65535;  // what every file format has; sizes of memory fit an int
+  if (width > kWidest) {
+    return fail(ErrorCode::kTooLarge, fmt::format("the images are {} px wide", width), "stereo",
+                fmt::format("Give images of at most {} px", kWidest));
+  }
   const SadOptions& sad = options.sad;
   if (sad.min_disparity_px + sad.num_disparities > width) {
     return fail(

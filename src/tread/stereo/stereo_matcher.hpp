@@ -43,13 +43,19 @@ struct StereoOptions {
 class StereoMatcher {
  public:
   // The images must be rectified, 8-bit grey, of one size. The view is valid until the next call.
-  // With one thread nothing is allocated after the first frame of a size and options, edges of kind
-  // laplacian excepted. Errors: empty images, sizes that differ, options out of range, a range
-  // wider than the image.
+  // With one thread nothing is allocated after the first frame of a size and options, except with
+  // edges of kind laplacian and with windows that the kernels do not take (SadOptions). Errors:
+  // empty images, sizes that differ, options out of range, a range wider than the image, images
+  // wider than 65535 px.
   [[nodiscard]] Result<ImageView<const Disparity>> match(ImageView<const std::uint8_t> left,
                                                          ImageView<const std::uint8_t> right,
                                                          const StereoOptions& options,
                                                          const Context& context = {});
+  // Forgets the frame before, as where another stream begins.
+  void reset() {
+    holes_.reset();
+    temporal_.reset();
+  }
   // Of the last match, with options.rate; else empty. Of pixels that have a disparity.
   [[nodiscard]] ImageView<const std::uint8_t> residual() const { return residual_; }
 

@@ -197,42 +197,100 @@ TEST(Depth, CloudHasOnePointAPixelInLeftAxesForEitherReference) {
 
 // Whatever the sizes, strides and options: an answer or an error, and nothing read outside the
 // images (they end with their last pixel; the sanitizer looks).
+// Options, sizes, strides and contents at random; the images have no byte to spare. What is matched
+// is the same with two threads, and what has no match has no rating before the filters.
 TEST(StereoMatcher, AnySizeAndOptionsGiveAnAnswerOrAnError) {
   std::mt19937 random(11);
   const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
-  StereoMatcher matcher;
+  const auto choose = [&](auto... values) {
+    const std::array all{values...};
+    return all[static_cast<std::size_t>(below(static_cast<int>(all.size())))];
+  };
+  StereoMatcher matcher, of_two_threads;
   int matched = 0, refused = 0;
-  for (int round = 0; round < 300; ++round) {
-    const int width = 1 + below(90), height = 1 + below(40), stride = width + below(4);
-    std::vector<std::uint8_t> left(static_cast<std::size_t>(stride * (height - 1) + width));
-    for (auto& pixel : left) pixel = static_cast<std::uint8_t>(random());
-    const std::vector<std::uint8_t> right = left;
-    StereoOptions options;
-    options.method = below(2) == 0 ? StereoMethod::kSad : StereoMethod::kSgm;
-    options.edges.kind = std::array{EdgeKind::kGradient, EdgeKind::kLaplacian,
-                                    EdgeKind::kNone}[static_cast<std::size_t>(below(3))];
-    options.edges.gain = below(2) == 0 ? 1.0 : 3.0;
-    options.edges.limit = 1 + below(128);
-    options.sad.reference = below(4) == 0 ? Reference::kRight : Reference::kLeft;
-    options.sad.window_width_px = 1 + below(33);  // even ones are refused
-    options.sad.window_height_px = 1 + 2 * below(16);
-    options.sad.min_disparity_px = below(12);
-    options.sad.num_disparities = below(100);  // none, or more than the image has, is refused
-    options.sad.border = below(2) == 0 ? Border::kFullWindow : Border::kReplicate;
-    options.sad.uniqueness_percent = below(100);
-    options.holes.temporal = below(2) == 0;
-    const auto found =
-        matcher.match(ImageView<const std::uint8_t>{left.data(), width, height, stride},
-                      ImageView<const std::uint8_t>{right.data(), width, height, stride}, options);
+  for (int round = 0; round < 600; ++round) {
+    const int width = 1 + below(90), height = 1 + below(40);
+    const auto image = [&](int w, int h, int stride, unsigned seed) {
+      std::mt19937 noise(seed);
+      std::vector<std::uint8_t> pixels(static_cast<std::size_t>(stride * (h - 1) + w));
+      for (auto& pixel : pixels) pixel = static_cast<std::uint8_t>(noise());
+      return pixels;
+    };
+    const int shift = below(4), stride = width + below(4), other_stride = width + below(4);
+    const int other_width = below(20) == 0 ? width + 1 : width;
+    const auto seed = static_cast<unsigned>(random());
+    const auto left = image(width, height, stride, seed);
+    auto right = image(other_width, height, other_width + other_stride - width, seed + 1);
+    for (int y = 0; y < height && other_width == width; ++y) {
+      for (int x = shift; x < width; ++x) {
+        right[static_cast<std::size_t>(y * other_stride + x - shift)] =
+            left[static_cast<std::size_t>(y * stride + x)];
+      }
+    }
+    StereoOptions o;
+    o.method = choose(StereoMethod::kSad, StereoMethod::kSgm);
+    o.edges.kind = choose(EdgeKind::kGradient, EdgeKind::kLaplacian, EdgeKind::kNone);
+    o.edges.gain = choose(1.0, 3.0);
+    o.edges.limit = 1 + below(128);
+    o.sad.reference = below(4) == 0 ? Reference::kRight : Reference::kLeft;
+    o.sad.window_width_px = 1 + 2 * below(16) + (below(9) == 0 ? 1 : 0);  // even ones are refused
+    o.sad.window_height_px = 1 + 2 * below(16);
+    o.sad.min_disparity_px = below(12);
+    o.sad.num_disparities = below(width + 8);  // none, or more than the image has, is refused
+    o.sad.border = choose(Border::kFullWindow, Border::kReplicate);
+    o.sad.sub_pixel = choose(SubPixel::kNone, SubPixel::kSymmetricV, SubPixel::kParabola);
+    o.sad.strict_sub_pixel = below(2) == 0;
+    o.sad.uniqueness_percent = below(100);
+    o.sad.min_texture = below(3) == 0 ? 2.0 : 0.0;
+    o.sad.left_right_tolerance_px = below(3) - 1;
+    o.sgm.p2 = below(51);  // 50 is refused
+    o.sgm.p1 = below(o.sgm.p2 + 1);
+    o.sgm.uniqueness_percent = below(101);
+    o.sgm.left_right_tolerance_px = below(3) - 1;
+    for (HoleFilterOptions* holes : {&o.holes, &o.sgm.holes}) {
+      holes->temporal = below(2) == 0;
+      holes->spatial = below(2) == 0;
+      holes->median = choose(HoleFilterOptions::Median::kAll, HoleFilterOptions::Median::kKnown);
+      holes->update =
+          choose(HoleFilterOptions::Update::kBuffered, HoleFilterOptions::Update::kInPlace);
+      holes->passes = 1 + below(3);
+    }
+    o.speckle.enabled = o.sgm.speckle.enabled = below(2) == 0;
+    o.temporal.enabled = below(2) == 0;
+    o.rate = below(2) == 0;
+    if (below(3) == 0) {
+      for (HoleFilterOptions* holes : {&o.holes, &o.sgm.holes})
+        holes->temporal = holes->spatial = false;
+      o.speckle.enabled = o.sgm.speckle.enabled = o.temporal.enabled = false;
+    }
+    const auto match = [&](StereoMatcher& by, int threads) {
+      return by.match(ImageView<const std::uint8_t>{left.data(), width, height, stride},
+                      ImageView<const std::uint8_t>{right.data(), other_width, height,
+                                                    other_width + other_stride - width},
+                      o, {threads, nullptr});
+    };
+    const auto found = match(matcher, 1);
+    const auto again = match(of_two_threads, 2);
+    ASSERT_EQ(found.has_value(), again.has_value());
     (found ? matched : refused) += 1;
-    if (found) {
-      EXPECT_TRUE(found->width == width && found->height == height);
-    } else {
+    if (!found) {
       EXPECT_FALSE(found.error().remedy.empty());
+      continue;
+    }
+    ASSERT_TRUE(found->width == width && found->height == height);
+    ASSERT_EQ(matcher.residual().empty(), !o.rate);
+    const bool filtered = o.holes.temporal || o.holes.spatial || o.sgm.holes.temporal ||
+                          o.sgm.holes.spatial || o.speckle.enabled || o.temporal.enabled;
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        ASSERT_EQ((*found)(x, y), (*again)(x, y)) << round;
+        if (!o.rate || filtered) continue;
+        ASSERT_EQ(matcher.residual()(x, y) == kNoResidual, (*found)(x, y) == kNoMatch) << round;
+      }
     }
   }
-  EXPECT_GT(matched, 30);
-  EXPECT_GT(refused, 30);
+  EXPECT_GT(matched, 200);
+  EXPECT_GT(refused, 60);
 }
 
 }  // namespace

@@ -20,7 +20,10 @@ OptionSet describe(TemporalOptions& options) {
 
 void TemporalFilter::apply(Image<Disparity>& disparity, const TemporalOptions& options,
                            const Context& context) {
-  if (!options.enabled) return;
+  if (!options.enabled) {
+    reset();  // what was seen before this frame is not the frame before a later one
+    return;
+  }
   const ScopedTimer timer(context, "stereo/temporal");
   if (!same_size(seen_, disparity)) {
     seen_ = result_ = disparity;

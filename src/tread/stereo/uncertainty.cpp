@@ -1,12 +1,13 @@
 #include "tread/stereo/uncertainty.hpp"
 
 #include <array>
+#include <cassert>
 #include <cmath>
 
 namespace tread {
 namespace {
 
-// At residuals of 1/16 times 1, 2, 4, ... 128, and of pixels that were filled or have no minimum.
+// At residuals of 1/16 times 1, 2, 4, ... 128, and of pixels that were filled.
 struct Curve {
   std::array<float, 8> wrong;
   std::array<float, 8> sigma_px;
@@ -39,6 +40,7 @@ MatchUncertainty match_uncertainty(StereoMethod method, std::uint8_t residual) {
 
 void depth_sigmas(ImageView<const float> depth, ImageView<const std::uint8_t> residual,
                   const RectifiedRig& rig, StereoMethod method, std::vector<float>& sigma_m) {
+  assert(same_size(depth, residual));
   // r = step Z^2 / (b f), the step being the disparity's standard deviation (Eq. 2).
   std::array<float, 256> factor{};
   for (int i = 0; i < 256; ++i) {

@@ -22,8 +22,8 @@ struct MatchUncertainty {
 [[nodiscard]] MatchUncertainty match_uncertainty(StereoMethod method, std::uint8_t residual);
 
 // The standard deviation along the optical axis, metres, of each point of the cloud that
-// depth_cloud makes of the same depth image: row by row where the depth is known. `sigma_m` keeps
-// its memory.
+// depth_cloud makes of the same depth image: row by row where the depth is known. The residual must
+// be of the same size (StereoOptions::rate). `sigma_m` keeps its memory.
 void depth_sigmas(ImageView<const float> depth, ImageView<const std::uint8_t> residual,
                   const RectifiedRig& rig, StereoMethod method, std::vector<float>& sigma_m);
 

@@ -14,7 +14,7 @@ namespace {
 
 TEST(MatchUncertainty, GrowsWithTheResidual) {
   for (const StereoMethod method : {StereoMethod::kSad, StereoMethod::kSgm}) {
-    for (int r = 1; r < kNoResidual; ++r) {
+    for (int r = 1; r <= kLargestResidual; ++r) {
       const MatchUncertainty less = match_uncertainty(method, static_cast<std::uint8_t>(r - 1));
       const MatchUncertainty more = match_uncertainty(method, static_cast<std::uint8_t>(r));
       EXPECT_LE(more.confidence, less.confidence);

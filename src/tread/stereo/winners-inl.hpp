@@ -115,11 +115,13 @@ inline void refine(const PixelResult* pixels, const std::uint32_t* owners, const
     }
     if (residual == nullptr) continue;
     const auto slope = Sub(Max(l, r), c);
-    const auto known = And(And(inside, Gt(slope, Zero(i32))), Ne(found, Set(i32, int{kNoMatch})));
+    const auto known = And(inside, Gt(slope, Zero(i32)));
     const auto ratio = Div(ConvertTo(f32, Mul(c, Set(i32, kResidualScale))),
                            ConvertTo(f32, IfThenElse(known, slope, one)));
-    const auto byte = IfThenElse(known, Min(ConvertTo(i32, ratio), Set(i32, int{kNoResidual})),
-                                 Set(i32, int{kNoResidual}));
+    const auto most = Set(i32, int{kLargestResidual});
+    const auto rated = IfThenElse(known, Min(ConvertTo(i32, ratio), most), most);
+    const auto byte =
+        IfThenElse(Eq(found, Set(i32, int{kNoMatch})), Set(i32, int{kNoResidual}), rated);
     if (whole_vector) {
       StoreU(DemoteTo(u8, byte), u8, residual + x);
     } else {
