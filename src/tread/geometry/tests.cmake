@@ -6,4 +6,5 @@ target_sources(tread_tests PRIVATE
   ${here}/positive_polynomial_test.cpp
   ${here}/rectification_test.cpp
   ${here}/stereo_rig_test.cpp
+  ${here}/trajectory_error_test.cpp
   ${here}/trajectory_test.cpp)
