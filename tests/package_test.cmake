@@ -9,7 +9,7 @@ function(run)
   set(output "${output}" PARENT_SCOPE)
 endfunction()
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${BUILD}/package_test/prefix)
-run(${CMAKE_COMMAND} -S ${SOURCE}/tests/package -B ${BUILD}/package_test/build
+run(${CMAKE_COMMAND} -G Ninja -S ${SOURCE}/tests/package -B ${BUILD}/package_test/build
     -DCMAKE_PREFIX_PATH=${BUILD}/package_test/prefix -DCMAKE_CXX_COMPILER=${COMPILER}
     -DCMAKE_CXX_FLAGS=${FLAGS})
 # Nothing may be asked of a user that the library does not link, and no header of a test be installed.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "command.hpp"
+#include "interrupt.hpp"
 #include "map_report.hpp"
 #include "tread/core/problems.hpp"
 #include "tread/io/atomic_file.hpp"
@@ -58,9 +59,18 @@ void map_frames(StereoSource& source, RoverMapper& mapper, const Context& contex
   const bool single = source.frame_count() == 1 && !source.has_poses();
   const int kept = source.frame_count() / 2;  // the frame that the report shows
   run.problems = source.problems();
+  const Interrupt interrupt;
   const auto begin = std::chrono::steady_clock::now();
   for (int i = 0;; ++i) {
     progress.show(i);
+    if (Interrupt::requested()) {
+      run.problems.push_back(
+          {ErrorCode::kInterrupted,
+           fmt::format("interrupted after {} of {}", i,
+                       frames_text(static_cast<std::size_t>(source.frame_count()))),
+           "map", "What was mapped until then is here"});
+      break;
+    }
     auto frame = source.next();
     if (!frame) {
       ++run.frames;

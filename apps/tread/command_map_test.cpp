@@ -117,6 +117,33 @@ TEST(TreadMap, ADamagedTrajectoryLosesItsLinesAndNotTheDrive) {
   EXPECT_NE(tread("info " + path.string()).out.find("7 fields"), std::string::npos);
 }
 
+TEST(TreadMap, AnInterruptKeepsWhatWasMapped) {
+  const ScratchFolder scratch;
+  const fs::path path = copy_of_drive(scratch);
+  // So many frames that they take some ten seconds.
+  Trajectory poses = read_tum_trajectory(path / "poses.txt").value();
+  for (int i = 4; i < 1500; ++i) {
+    const std::string name = fmt::format("{:06}.png", i);
+    for (const char* side : {"left", "right"}) {
+      fs::create_symlink(path / side / "000003.png", path / side / name);
+    }
+    poses.push_back(poses.back());
+    poses.back().stamp_ns += 100'000'000;
+  }
+  ASSERT_TRUE(write_tum_trajectory(path / "poses.txt", poses));
+  Ran ran;
+  // Again if the machine was so slow that nothing was done yet.
+  for (int seconds = 1; seconds <= 16 && ran.out.empty(); seconds *= 4) {
+    ran =
+        testing::run(fmt::format("timeout --preserve-status -s INT {} {} map {} --json -o {}",
+                                 seconds, TREAD_PROGRAM, path.string(), (scratch / "m").string()));
+  }
+  EXPECT_EQ(ran.status, 1) << ran.err;
+  EXPECT_NE(ran.err.find("interrupted after"), std::string::npos) << ran.err;
+  EXPECT_LT(ran.json()["frames"], 1500);
+  EXPECT_TRUE(load_map(scratch / "m"));
+}
+
 TEST(TreadMap, WhereNothingCouldBeMappedEveryKindOfProblemIsSaid) {
   const ScratchFolder scratch;
   const fs::path path = copy_of_drive(scratch);

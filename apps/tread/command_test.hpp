@@ -28,11 +28,11 @@ struct Ran {
   [[nodiscard]] nlohmann::json json() const { return nlohmann::json::parse(out); }
 };
 
-inline Ran tread(const std::string& arguments) {
+inline Ran run(const std::string& command) {
   const ScratchFolder scratch;
   const std::string err = (scratch / "err").string();
   Ran ran;
-  FILE* pipe = popen((std::string(TREAD_PROGRAM) + " " + arguments + " 2>" + err).c_str(), "r");
+  FILE* pipe = popen((command + " 2>" + err).c_str(), "r");
   EXPECT_NE(pipe, nullptr);
   std::array<char, 4096> buffer{};
   for (std::size_t n = 0; (n = fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) {
@@ -42,6 +42,10 @@ inline Ran tread(const std::string& arguments) {
   ran.status = WIFEXITED(ended) ? WEXITSTATUS(ended) : -ended;
   ran.err = read_file(err).value_or("");
   return ran;
+}
+
+inline Ran tread(const std::string& arguments) {
+  return run(std::string(TREAD_PROGRAM) + " " + arguments);
 }
 
 // Expects a failure whose message holds all of the words.

@@ -21,6 +21,7 @@ enum class ErrorCode {
   kWriteFailed,  // the disk is full, the folder does not exist, no permission
   kUnsupported,  // valid, but not handled here
   kTooLarge,     // it would take more memory than there is or than the options allow
+  kInterrupted,  // the user ended the work before it was done
 };
 
 // What was wrong, where (file, line, field), and what the reader of the message can do about it.
