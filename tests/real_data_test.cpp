@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "stereo_pairs.hpp"
@@ -190,6 +191,8 @@ TEST_P(KittiDrive, RoadIsCheapTheKerbDearerCarsAndHedgeAreLethalAndThePlanStaysO
   EXPECT_LT(*std::max_element(road.begin(), road.end()), 5.0F);
   std::sort(road.begin(), road.end());
   std::sort(kerb.begin(), kerb.end());
+  RecordProperty("road_median_cost", std::to_string(road[road.size() / 2]));
+  RecordProperty("kerb_median_cost", std::to_string(kerb[kerb.size() / 2]));
   EXPECT_LT(road[road.size() / 2], 2.0F);
   EXPECT_GT(kerb[kerb.size() / 2], 2.5F * road[road.size() / 2]);
   EXPECT_GT(lethal_within(12.0, 17.5, -4.5, -1.8), 50);   // the first parked cars
