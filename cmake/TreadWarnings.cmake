@@ -7,6 +7,8 @@ function(tread_set_up target)
     # whose default is an initializer list, where two such structs are made in one statement.
     target_compile_options(${target} PRIVATE -Wno-restrict -Wno-dangling-pointer)
   endif()
+  # Highway leaves out the newer AVX-512 (Ice Lake, Zen 4: byte permutes and bit counts) unless asked.
+  target_compile_definitions(${target} PRIVATE HWY_WANT_AVX3_DL)
   if(TREAD_WARNINGS_AS_ERRORS)
     target_compile_options(${target} PRIVATE -Werror)
   endif()

@@ -95,6 +95,28 @@ HWY_INLINE auto least_byte_of(D d, V v) {
   }
 }
 
+// The lowest byte of each four, four times.
+HWY_INLINE Bytes repeat_lowest(Bytes v) {
+  alignas(16) static constexpr std::uint8_t kLowest[16] = {0, 0, 0, 0, 4,  4,  4,  4,
+                                                           8, 8, 8, 8, 12, 12, 12, 12};
+  return TableLookupBytes(v, hn::LoadDup128(U8(), kLowest));
+}
+
+// The least bytes of four vectors at once, for less than four times the price: in every block of 16
+// bytes, bytes 4 k to 4 k + 3 are the least byte of the k-th.
+HWY_INLINE Bytes least_bytes_of(Bytes v0, Bytes v1, Bytes v2, Bytes v3) {
+  const hn::Repartition<std::uint64_t, U8> u64;
+  const auto merge = [](auto by, Bytes a, Bytes b) HWY_ATTR {
+    const auto x = BitCast(by, a), y = BitCast(by, b);
+    return Min(BitCast(U8(), InterleaveLower(by, x, y)), BitCast(U8(), InterleaveUpper(by, x, y)));
+  };
+  Bytes least = merge(u64, merge(U32(), v0, v1), merge(U32(), v2, v3));
+  if constexpr (kLanes > 32) least = Min(least, hn::ReverseBlocks(U8(), least));
+  if constexpr (kLanes > 16) least = Min(least, hn::SwapAdjacentBlocks(least));
+  least = Min(least, BitCast(U8(), hn::ShiftRight<16>(BitCast(U32(), least))));
+  return repeat_lowest(Min(least, BitCast(U8(), hn::ShiftRight<8>(BitCast(U32(), least)))));
+}
+
 // Lane 0 of a vector of sixteen in every lane.
 template <class V>
 HWY_INLINE Bytes spread_byte(V v) {
@@ -126,6 +148,25 @@ HWY_INLINE Bytes from_upper(Bytes v, Bytes behind) {
   return Bytes{_mm256_alignr_epi8(_mm256_permute2x128_si256(v.raw, behind.raw, 0x21), v.raw, 1)};
 #else
   return hn::CombineShiftRightBytes<1>(U8(), behind, v);
+#endif
+}
+
+// The same where there is one vector only: 255 comes in.
+HWY_INLINE Bytes from_lower(Bytes v) {
+#if HWY_TARGET == HWY_AVX3_DL
+  const __m512i from = Iota(U8(), 255).raw;
+  return Bytes{_mm512_mask_permutexvar_epi8(Set(U8(), 255).raw, ~1ULL, from, v.raw)};
+#else
+  return from_lower(v, Set(U8(), 255));
+#endif
+}
+
+HWY_INLINE Bytes from_upper(Bytes v) {
+#if HWY_TARGET == HWY_AVX3_DL
+  const __m512i from = Iota(U8(), 1).raw;
+  return Bytes{_mm512_mask_permutexvar_epi8(Set(U8(), 255).raw, ~0ULL >> 1, from, v.raw)};
+#else
+  return from_upper(v, Set(U8(), 255));
 #endif
 }
 

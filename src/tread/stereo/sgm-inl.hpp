@@ -24,13 +24,22 @@ inline int padded_range(int num_disparities) {
   return (num_disparities + kLanes - 1) / kLanes * kLanes;
 }
 
-// A pixel's path from above lies between vectors of 255, so that neighbours can be loaded.
+// Of the path from above, for each pixel: its least, and that plus p2, each four times; then the
+// paths, each between vectors of 255, so that neighbours can be loaded.
+struct AboveLeast {
+  std::uint32_t least;
+  std::uint32_t larger_step;
+};
+inline std::ptrdiff_t above_begin(int width) {
+  return (static_cast<std::ptrdiff_t>(sizeof(AboveLeast)) * width + 63) / 64 * 64 + kLanes;
+}
 inline std::ptrdiff_t above_stride(int padded) {
   return padded + kLanes;
 }
 
 inline std::size_t above_bytes(int width, int num_disparities) {
-  return static_cast<std::size_t>(above_stride(padded_range(num_disparities)) * width + kLanes);
+  return static_cast<std::size_t>(above_begin(width) +
+                                  above_stride(padded_range(num_disparities)) * width);
 }
 
 // Of a row's differences.

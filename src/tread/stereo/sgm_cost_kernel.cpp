@@ -76,31 +76,65 @@ std::uint8_t* take_reversed(Arena& arena, const std::uint8_t* from, int width, i
   return out;
 }
 
-// The differences of the edges of one row, which three rows of costs share.
-void difference_row(const SgmImages& images, const SgmOptions& options, int y, std::uint8_t* memory,
-                    std::uint8_t* out) {
-  const int width = images.left_edges.width;
-  const int padded = padded_range(options.num_disparities);
-  const int row = std::clamp(y, 0, images.left_edges.height - 1);
+// Differences of the edges, column by column: of the row last seen, and its sum with the one
+// before.
+struct EdgeRows {
+  std::uint8_t* one;
+  std::uint8_t* two;
+};
+
+// Edges of a row, laid out for all disparities of all columns.
+struct EdgeRow {
+  const std::uint32_t* left;
+  const std::uint8_t* right;
+
+  EdgeRow(const SgmImages& images, const SgmOptions& options, int y, Arena& arena) {
+    const int width = images.left_edges.width, columns = width + 2 * kEdgeColumns;
+    const int row = std::clamp(y, 0, images.left_edges.height - 1);
+    left = take_spread(arena, images.left_edges.row(row), width, kEdgeColumns);
+    right = take_reversed(arena, images.right_edges.row(row), width, kEdgeColumns,
+                          options.min_disparity_px, padded_range(options.num_disparities)) +
+            columns - 1;
+  }
+  HWY_INLINE Bytes difference(int column, int d) const {
+    const Bytes here = BitCast(U8(), Set(U32(), left[column]));
+    const Bytes other = LoadU(U8(), right - column + d);
+    return Sub(Max(here, other), Min(here, other));
+  }
+};
+
+// Before the costs of row y: its differences, and those of the row before.
+void begin_edges(const SgmImages& images, const SgmOptions& options, int y, std::uint8_t* memory,
+                 const EdgeRows& rows) {
   Arena arena{memory};
-  const std::uint32_t* left = take_spread(arena, images.left_edges.row(row), width, kEdgeColumns);
-  const int columns = width + 2 * kEdgeColumns;
-  const std::uint8_t* right = take_reversed(arena, images.right_edges.row(row), width, kEdgeColumns,
-                                            options.min_disparity_px, padded) +
-                              columns - 1;
-  for (int c = 0; c < columns; ++c) {
-    const Bytes here = BitCast(U8(), Set(U32(), left[c]));
-    for (int d = 0; d < padded; d += kLanes) {
-      const Bytes other = LoadU(U8(), right - c + d);
-      Store(Sub(Max(here, other), Min(here, other)), U8(), out);
-      out += kLanes;
+  const EdgeRow before(images, options, y - 1, arena), here(images, options, y, arena);
+  const int padded = padded_range(options.num_disparities);
+  std::ptrdiff_t at = 0;
+  for (int c = 0; c < images.left_edges.width + 2 * kEdgeColumns; ++c) {
+    for (int d = 0; d < padded; d += kLanes, at += kLanes) {
+      const Bytes one = here.difference(c, d);
+      Store(one, U8(), rows.one + at);
+      Store(SaturatedAdd(before.difference(c, d), one), U8(), rows.two + at);
     }
   }
 }
 
-// One row of costs. differences: of the row above, this one and the one below.
-void cost_row(const SgmImages& images, const SgmOptions& options, int y,
-              const std::uint8_t* const* differences, std::uint8_t* memory, std::uint8_t* out) {
+// How many bits are set in three bytes.
+HWY_INLINE Bytes differing_bits(Bytes a, Bytes b, Bytes c) {
+#if HWY_TARGET == HWY_AVX3_DL
+  return Add(Add(PopulationCount(a), PopulationCount(b)), PopulationCount(c));
+#else
+  // Where counting is dear: of three bits of equal weight, their sum and their carry.
+  const Bytes differ = Xor(a, b);
+  const Bytes odd = PopulationCount(Xor(differ, c));
+  const Bytes twice = PopulationCount(Or(And(a, b), And(differ, c)));
+  return Add(odd, Add(twice, twice));
+#endif
+}
+
+// One row of costs; `rows` moves on to the next one.
+void cost_row(const SgmImages& images, const SgmOptions& options, int y, const EdgeRows& rows,
+              std::uint8_t* memory, std::uint8_t* out) {
   const int width = images.left_edges.width;
   const int range = options.num_disparities, padded = padded_range(range);
   Arena arena{memory};
@@ -112,41 +146,38 @@ void cost_row(const SgmImages& images, const SgmOptions& options, int y,
                                     options.min_disparity_px, padded) +
                       width - 1;
   }
-  // The sums of three rows of the last five columns.
-  constexpr int kWindow = 2 * kEdgeColumns + 1;
-  auto* ring = arena.take<std::uint8_t>(static_cast<std::size_t>(kWindow * padded));
-  int slot = 0;
+  const EdgeRow below(images, options, y + 1, arena);
   const Bytes most = Set(U8(), kSgmLargestEdgeCost);
-  const Bytes beyond = outside(padded / kLanes - 1, range);
-  for (int c = 0; c < width + 2 * kEdgeColumns; ++c) {
-    const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(c) * padded;
-    std::uint8_t* column = ring + slot * padded;
-    slot = slot + 1 == kWindow ? 0 : slot + 1;
-    for (int d = 0; d < padded; d += kLanes) {
-      const Bytes two =
-          SaturatedAdd(Load(U8(), differences[0] + at + d), Load(U8(), differences[1] + at + d));
-      Store(SaturatedAdd(two, Load(U8(), differences[2] + at + d)), U8(), column + d);
-    }
-    const int x = c - 2 * kEdgeColumns;
-    if (x < 0) continue;
-    std::uint8_t* cost = out + static_cast<std::ptrdiff_t>(x) * padded;
-    for (int d = 0; d < padded; d += kLanes) {
-      const std::uint8_t* s = ring + d;
-      const Bytes sum = SaturatedAdd(
-          SaturatedAdd(SaturatedAdd(Load(U8(), s), Load(U8(), s + padded)),
-                       SaturatedAdd(Load(U8(), s + 2 * padded), Load(U8(), s + 3 * padded))),
-          Load(U8(), s + 4 * padded));
-      // Three bits of equal weight: their sum and their carry.
-      Bytes bits[3];
-      for (int k = 0; k < 3; ++k) {
-        bits[k] =
-            Xor(BitCast(U8(), Set(U32(), census[k][x])), LoadU(U8(), other_census[k] - x + d));
-      }
-      const Bytes differ = Xor(bits[0], bits[1]);
-      const Bytes odd = PopulationCount(Xor(differ, bits[2]));
-      const Bytes twice = PopulationCount(Or(And(bits[0], bits[1]), And(differ, bits[2])));
-      const Bytes total = Add(Add(odd, Add(twice, twice)), Min(hn::ShiftRight<3>(sum), most));
-      Store(d + kLanes > range ? Or(total, beyond) : total, U8(), cost + d);
+  for (int d = 0; d < padded; d += kLanes) {
+    const Bytes beyond = outside(d / kLanes, range);
+    // The sum of three rows of a column; to be asked once for each.
+    const auto column_sum = [&](int c) HWY_ATTR {
+      const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(c) * padded + d;
+      const Bytes next = below.difference(c, d);
+      const Bytes sum = SaturatedAdd(Load(U8(), rows.two + at), next);
+      Store(SaturatedAdd(Load(U8(), rows.one + at), next), U8(), rows.two + at);
+      Store(next, U8(), rows.one + at);
+      return sum;
+    };
+    // The last column, and two neighbours each that begin two, three and four columns back.
+    const Bytes first = column_sum(0), second = column_sum(1), third = column_sum(2);
+    Bytes last = column_sum(3);
+    Bytes two_back = SaturatedAdd(third, last);
+    Bytes three_back = SaturatedAdd(second, third);
+    Bytes four_back = SaturatedAdd(first, second);
+    for (int x = 0; x < width; ++x) {
+      const Bytes column = column_sum(x + 2 * kEdgeColumns);
+      const Bytes sum = SaturatedAdd(SaturatedAdd(four_back, two_back), column);
+      four_back = three_back;
+      three_back = two_back;
+      two_back = SaturatedAdd(last, column);
+      last = column;
+      const auto bits = [&](int k) HWY_ATTR {
+        return Xor(BitCast(U8(), Set(U32(), census[k][x])), LoadU(U8(), other_census[k] - x + d));
+      };
+      const Bytes edges = Min(BitCast(U8(), hn::ShiftRight<3>(sum)), most);
+      const Bytes total = Add(differing_bits(bits(0), bits(1), bits(2)), edges);
+      Store(Or(total, beyond), U8(), out + static_cast<std::ptrdiff_t>(x) * padded + d);
     }
   }
 }
@@ -155,16 +186,12 @@ void cost_rows(const SgmImages& images, const SgmOptions& options, const SgmBloc
                int end, std::uint8_t* memory) {
   const std::size_t bytes = difference_bytes(images.left_edges.width, options.num_disparities);
   Arena arena{memory};
-  std::uint8_t* ring[3];
-  for (std::uint8_t*& row : ring) row = arena.take<std::uint8_t>(bytes);
-  const auto row = [&](int y) { return ring[(y + 3) % 3]; };
-  difference_row(images, options, begin - 1, arena.at, row(begin - 1));
-  difference_row(images, options, begin, arena.at, row(begin));
+  EdgeRows rows{};
+  rows.one = arena.take<std::uint8_t>(bytes);
+  rows.two = arena.take<std::uint8_t>(bytes);
+  begin_edges(images, options, begin, arena.at, rows);
   for (int y = begin; y < end; ++y) {
-    difference_row(images, options, y + 1, arena.at, row(y + 1));
-    const std::uint8_t* const differences[] = {row(y - 1), row(y), row(y + 1)};
-    cost_row(images, options, y, differences, arena.at,
-             block.cost + (y - block.first) * block.row_stride);
+    cost_row(images, options, y, rows, arena.at, block.cost + (y - block.first) * block.row_stride);
   }
 }
 

@@ -11,7 +11,8 @@ namespace tread {
 inline constexpr int kSgmLargestCensus = 24;
 inline constexpr int kSgmLargestEdgeCost = 11;
 inline constexpr int kSgmLargestP2 = 49;
-inline constexpr int kSgmNoCost = 255;  // above every sum
+inline constexpr int kSgmNoCost = 255;    // above every sum
+inline constexpr int kSgmRowsAtOnce = 4;  // the rows of a block in memory are a multiple of it
 static_assert(3 * (kSgmLargestCensus + kSgmLargestEdgeCost + kSgmLargestP2) < kSgmNoCost);
 
 struct SgmImages {
@@ -49,11 +50,11 @@ void sgm_begin(int width, const SgmOptions& options, std::uint8_t* above);
 // Costs of the rows [begin, end) of the block.
 void sgm_cost_rows(const SgmImages& images, const SgmOptions& options, const SgmBlock& block,
                    int begin, int end, std::uint8_t* memory);
-// Both paths along the rows [begin, end).
+// Both paths along the rows [begin, end), and on up to a multiple of kSgmRowsAtOnce rows.
 void sgm_side_rows(const SgmOptions& options, int width, const SgmBlock& block, int begin, int end);
 // The path from above and the winners, columns [begin, end) of all rows of the block.
-void sgm_above_columns(const SgmOptions& options, const SgmBlock& block, int begin, int end,
-                       std::uint8_t* memory);
+void sgm_above_columns(const SgmOptions& options, int width, const SgmBlock& block, int begin,
+                       int end, std::uint8_t* memory);
 // The disparities of the rows [begin, end).
 void sgm_finish_rows(const SgmOptions& options, int width, const SgmBlock& block, int begin,
                      int end, std::uint8_t* memory, const MatchOutput& output);

@@ -11,6 +11,7 @@ namespace {
 
 // Rows of a block: what is kept of them at once should fit the second level cache.
 constexpr int kBlockRows = 4;
+static_assert(kBlockRows % kSgmRowsAtOnce == 0);
 
 // The census of a pixel as its definition says, where there are no vectors.
 void census_row_plain(ImageView<const std::uint8_t> image, int y, Image<std::uint8_t>& census) {
@@ -118,7 +119,7 @@ void SgmMatcher::match(ImageView<const std::uint8_t> left, ImageView<const std::
                       sgm_side_rows(options, width, block, first, last);
                     });
     parallel_chunks(context, 0, width, columns, [&](int first, int last, int worker) {
-      sgm_above_columns(options, block, first, last, memory_of(worker));
+      sgm_above_columns(options, width, block, first, last, memory_of(worker));
     });
     parallel_chunks(
         context, block.first, block.last, kBlockRows, [&](int first, int last, int worker) {
