@@ -211,7 +211,7 @@ void expect_sgm_equal_to_plain(const SgmCase& c) {
 }
 
 TEST(SgmKernel, EqualsThePlainFormOnEveryInstructionSetAndThreadCount) {
-  for (unsigned seed = 1; seed <= 60; ++seed) {
+  for (unsigned seed = 1; seed <= 90; ++seed) {
     std::mt19937 random(seed);
     const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
     SgmCase c;
@@ -221,6 +221,7 @@ TEST(SgmKernel, EqualsThePlainFormOnEveryInstructionSetAndThreadCount) {
     c.height = 1 + below(30);
     c.options.min_disparity_px = below(std::min(c.width, 12));
     c.options.num_disparities = 1 + below(std::min(300, c.width - c.options.min_disparity_px));
+    c.options.paths = std::array{SgmPaths::kThree, SgmPaths::kFour, SgmPaths::kEight}[seed % 3];
     c.options.p2 = below(50);
     c.options.p1 = below(c.options.p2 + 1);
     c.options.uniqueness_percent = std::array{0, 4, 30, 100}[static_cast<std::size_t>(below(4))];
@@ -235,7 +236,8 @@ TEST(SgmKernel, EqualsThePlainFormOnEveryInstructionSetAndThreadCount) {
 // Costs as large as they get: an image against its negative.
 TEST(SgmKernel, EqualsThePlainFormWhereNothingFits) {
   for (const int range : {5, 16, 33, 65}) {
-    for (const int p1 : {20, 49}) {
+    for (const auto& [p1, paths] : std::array<std::pair<int, SgmPaths>, 3>{
+             {{20, SgmPaths::kThree}, {49, SgmPaths::kThree}, {49, SgmPaths::kEight}}}) {
       std::mt19937 random(static_cast<unsigned>(range + p1));
       Image<std::uint8_t> left(200, 40), right(200, 40), left_edges, right_edges;
       for (int y = 0; y < left.height; ++y) {
@@ -249,6 +251,7 @@ TEST(SgmKernel, EqualsThePlainFormWhereNothingFits) {
       SgmOptions options;
       options.num_disparities = range;
       options.p1 = p1;
+      options.paths = paths;
       options.uniqueness_percent = 100;
       options.left_right_tolerance_px = -1;
       const auto match = [&] {

@@ -30,6 +30,12 @@ using Words = hn::Vec<I16>;
 
 constexpr int kLanes = static_cast<int>(hn::MaxLanes(U8()));  // disparities of a vector of bytes
 constexpr int kMaxVectors = 1024 / kLanes;                    // kMaxDisparity of them
+
+// Where byte i of a row lies among words, once widened: each block of sixteen bytes becomes a block
+// of the lower vector and one of the upper.
+constexpr int widened_place(int i) {
+  return i / kLanes * kLanes + (i / 8 % 2) * (kLanes / 2) + i % kLanes / 16 * 8 + i % 8;
+}
 HWY_INLINE Words widen_lower(Bytes v) {
   return BitCast(I16(), InterleaveLower(U8(), v, Zero(U8())));
 }

@@ -32,12 +32,6 @@ constexpr int kBlock = 16;                // pixels scanned before the results a
 constexpr int kCostGuard = 32;            // behind each pixel's costs: a vector's alignment
 constexpr std::int16_t kNoCost = 0x7FFF;  // above every sum
 
-// Where the cost of disparity index d lies: each block of sixteen bytes widens to a block of the
-// vector `lower` and one of the vector `upper`.
-constexpr int cost_place(int d) {
-  return d / kLanes * kLanes + (d / 8 % 2) * (kLanes / 2) + d % kLanes / 16 * 8 + d % 8;
-}
-
 // Matches the rows of a band. Column: what holds a column's sum over the rows of the window, 8 bits
 // if that is enough, else 16.
 template <class Column>
@@ -60,7 +54,7 @@ class Band {
     if (memory.width < static_cast<int>(needed)) memory.resize(static_cast<int>(needed), 1);
     lay_out(memory.row(0));
     std::memset(memory.row(0), 0, needed);
-    for (int d = 0; d < range_; ++d) place_[d + 1] = static_cast<std::int16_t>(cost_place(d));
+    for (int d = 0; d < range_; ++d) place_[d + 1] = static_cast<std::int16_t>(widened_place(d));
     place_[0] = place_[range_ + 1] = static_cast<std::int16_t>(padded_);
     for (int i = 1; i <= kBlock; ++i) {
       std::int16_t* end = costs_ + static_cast<std::ptrdiff_t>(i) * (padded_ + kCostGuard);
@@ -69,7 +63,7 @@ class Band {
     margin_factor_ = uniqueness_factor(options.uniqueness_percent);
     wide_margin_ =
         margin_factor_ == 0 ? ~0U : (255U * 65536U + margin_factor_ - 1U) / margin_factor_;
-    for (int d = 0; d < padded_; ++d) lane_[cost_place(d)] = static_cast<std::int16_t>(d);
+    for (int d = 0; d < padded_; ++d) lane_[widened_place(d)] = static_cast<std::int16_t>(d);
   }
 
   void match(int first, int last, const MatchOutput& out) {

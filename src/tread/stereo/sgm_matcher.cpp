@@ -35,6 +35,8 @@ void census_row_plain(ImageView<const std::uint8_t> image, int y, Image<std::uin
 
 OptionSet describe(SgmOptions& options) {
   OptionSet set;
+  set.add_choice("paths", options.paths, "along how many paths costs are smoothed",
+                 {{"3", SgmPaths::kThree}, {"4", SgmPaths::kFour}, {"8", SgmPaths::kEight}});
   set.add("p1", options.p1, "price of a step of one disparity along a path", 0, kSgmLargestP2);
   set.add("p2", options.p2, "price of a larger step", 0, kSgmLargestP2);
   set.add_choice("sub_pixel", options.sub_pixel, "refinement below the pixel",
@@ -53,6 +55,34 @@ OptionSet describe(SgmOptions& options) {
               [&options] { return options.p1 <= options.p2; });
   return set;
 }
+
+// One pair, and where its rows lie in memory.
+struct SgmMatcher::Job {
+  const SgmImages& images;
+  const SgmOptions& options;
+  const MatchOutput& output;
+  const Context& context;
+  int width;
+  int height;
+  int padded;  // range
+  int workers;
+  std::vector<Image<std::uint8_t>>& memory;
+  SgmBlock block;
+
+  [[nodiscard]] std::uint8_t* memory_of(int worker) const {
+    return memory[static_cast<std::size_t>(worker)].row(0);
+  }
+  [[nodiscard]] int block_rows() const { return kBlockRows * workers; }
+  // Calls body(first, last, worker) for some rows of the block each.
+  template <class Body>
+  void for_rows(const SgmBlock& rows, const Body& body) const {
+    parallel_chunks(context, rows.first, rows.last, kBlockRows, body);
+  }
+  template <class Body>
+  void for_columns(const Body& body) const {
+    parallel_chunks(context, 0, width, (width / workers + 63) / 64 * 64 + 64, body);
+  }
+};
 
 void SgmMatcher::match(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
                        ImageView<const std::uint8_t> left_edges,
@@ -81,50 +111,112 @@ void SgmMatcher::match(ImageView<const std::uint8_t> left, ImageView<const std::
     return;
   }
 
-  const auto workers = static_cast<std::size_t>(worker_count(context));
-  memory_.resize(std::max(memory_.size(), workers));
+  Job job{images,  options, output, context, width, height, padded, worker_count(context),
+          memory_, {}};
+  memory_.resize(std::max(memory_.size(), static_cast<std::size_t>(job.workers)));
   for (Image<std::uint8_t>& memory : memory_) {
     memory.resize(static_cast<int>(sgm_worker_bytes(width, options.num_disparities)), 1);
   }
-  const auto memory_of = [this](int worker) {
-    return memory_[static_cast<std::size_t>(worker)].row(0);
-  };
   parallel_chunks(context, 0, height, 32, [&](int first, int last, int worker) {
     for (int y = first; y < last; ++y) {
-      sgm_census_row(left, y, memory_of(worker), left_census_);
-      sgm_census_row(right, y, memory_of(worker), right_census_);
+      sgm_census_row(left, y, job.memory_of(worker), left_census_);
+      sgm_census_row(right, y, job.memory_of(worker), right_census_);
     }
   });
+  costs_.resize(width * padded, 2 * job.block_rows());
+  job.block.row_stride = costs_.stride;
+  job.block.cost = costs_.row(0);
+  job.block.sides = costs_.row(job.block_rows());
+  pixels_.resize((width + 64) * 8, job.block_rows());
+  job.block.pixels = reinterpret_cast<std::uint64_t*>(pixels_.row(0));
+  job.block.pixel_stride = pixels_.stride / 8;
+  if (options.paths == SgmPaths::kThree) {
+    match_streaming(job);
+  } else {
+    match_full(job);
+  }
+}
 
-  const int block_rows = kBlockRows * static_cast<int>(workers);
-  SgmBlock block;
-  block.row_stride = static_cast<std::ptrdiff_t>(width) * padded;
-  block.pixel_stride = width + 64;
-  costs_.resize(static_cast<int>(block.row_stride), 2 * block_rows);
-  block.row_stride = costs_.stride;
-  block.cost = costs_.row(0);
-  block.sides = costs_.row(block_rows);
-  above_.resize(static_cast<int>(sgm_above_bytes(width, options.num_disparities)), 1);
+void SgmMatcher::match_streaming(const Job& job) {
+  const SgmOptions& options = job.options;
+  SgmBlock block = job.block;
+  above_.resize(static_cast<int>(sgm_above_bytes(job.width, options.num_disparities)), 1);
   block.above = above_.row(0);
-  pixels_.resize(static_cast<int>(block.pixel_stride * 8), block_rows);
-  block.pixels = reinterpret_cast<std::uint64_t*>(pixels_.row(0));
-  block.pixel_stride = pixels_.stride / 8;
-  sgm_begin(width, options, block.above);
-  const int columns = (width / static_cast<int>(workers) + 63) / 64 * 64 + 64;
-  for (block.first = 0; block.first < height; block.first = block.last) {
-    block.last = std::min(height, block.first + block_rows);
-    parallel_chunks(context, block.first, block.last, kBlockRows,
-                    [&](int first, int last, int worker) {
-                      sgm_cost_rows(images, options, block, first, last, memory_of(worker));
-                      sgm_side_rows(options, width, block, first, last);
-                    });
-    parallel_chunks(context, 0, width, columns, [&](int first, int last, int worker) {
-      sgm_above_columns(options, width, block, first, last, memory_of(worker));
+  sgm_begin(job.width, options, block.above);
+  for (block.first = 0; block.first < job.height; block.first = block.last) {
+    block.last = std::min(job.height, block.first + job.block_rows());
+    job.for_rows(block, [&](int first, int last, int worker) {
+      sgm_cost_rows(job.images, options, block, first, last, job.memory_of(worker));
+      sgm_side_rows(options, job.width, block, first, last);
     });
-    parallel_chunks(
-        context, block.first, block.last, kBlockRows, [&](int first, int last, int worker) {
-          sgm_finish_rows(options, width, block, first, last, memory_of(worker), output);
-        });
+    job.for_columns([&](int first, int last, int worker) {
+      sgm_above_columns(options, job.width, block, first, last, job.memory_of(worker));
+    });
+    job.for_rows(block, [&](int first, int last, int worker) {
+      sgm_finish_rows(options, job.width, block, kSgmNoCost, first, last, job.memory_of(worker),
+                      job.output);
+    });
+  }
+}
+
+void SgmMatcher::match_full(const Job& job) {
+  const SgmOptions& options = job.options;
+  const int width = job.width;
+  SgmBlock block = job.block;
+  const auto front_bytes = static_cast<int>(sgm_front_bytes(width, options.num_disparities));
+  fronts_.resize(std::max(front_bytes, width * job.padded), 3);
+  down_.resize(width * job.padded, job.height);
+  SgmFront front;
+  front.paths = options.paths == SgmPaths::kEight ? 3 : 1;
+  const auto begin_fronts = [&] {
+    for (const int i : {0, 1}) sgm_begin_front(width, options, fronts_.row(i));
+    front.before = fronts_.row(0);
+    front.here = fronts_.row(1);
+  };
+  const auto place_row = [&](int y, std::uint8_t* sum) {
+    front.cost = block.cost + (y - block.first) * block.row_stride;
+    front.sum = sum;
+  };
+  const auto next_row = [&] {
+    std::uint8_t* const here = front.here;
+    front.here = fronts_.row(here == fronts_.row(1) ? 0 : 1);
+    front.before = here;
+  };
+
+  begin_fronts();
+  for (block.first = 0; block.first < job.height; block.first = block.last) {
+    block.last = std::min(job.height, block.first + job.block_rows());
+    job.for_rows(block, [&](int first, int last, int worker) {
+      sgm_cost_rows(job.images, options, block, first, last, job.memory_of(worker));
+    });
+    for (int y = block.first; y < block.last; ++y, next_row()) {
+      place_row(y, down_.row(y));
+      job.for_columns(
+          [&](int first, int last, int) { sgm_front_row(options, width, front, first, last); });
+    }
+  }
+
+  begin_fronts();
+  for (block.last = job.height; block.last > 0; block.last = block.first) {
+    block.first = std::max(0, block.last - job.block_rows());
+    job.for_rows(block, [&](int first, int last, int worker) {
+      sgm_cost_rows(job.images, options, block, first, last, job.memory_of(worker));
+      sgm_side_rows(options, width, block, first, last);
+    });
+    for (int y = block.last - 1; y >= block.first; --y, next_row()) {
+      place_row(y, fronts_.row(2));
+      const std::ptrdiff_t row = y - block.first;
+      const SgmSums sums{down_.row(y), front.sum, block.sides + row * block.row_stride};
+      job.for_columns([&](int first, int last, int worker) {
+        sgm_front_row(options, width, front, first, last);
+        sgm_full_winners(options, sums, first, last, job.memory_of(worker),
+                         block.pixels + row * block.pixel_stride);
+      });
+    }
+    job.for_rows(block, [&](int first, int last, int worker) {
+      sgm_finish_rows(options, width, block, kSgmNoWideCost, first, last, job.memory_of(worker),
+                      job.output);
+    });
   }
 }
 

@@ -33,7 +33,7 @@ std::size_t worker_bytes(int, int) {
 void begin_above(int, const SgmOptions&, std::uint8_t*) {}
 void side_rows(const SgmOptions&, int, const SgmBlock&, int, int) {}
 void above_columns(const SgmOptions&, int, const SgmBlock&, int, int, std::uint8_t*) {}
-void finish_rows(const SgmOptions&, int, const SgmBlock&, int, int, std::uint8_t*,
+void finish_rows(const SgmOptions&, int, const SgmBlock&, int, int, int, std::uint8_t*,
                  const MatchOutput&) {}
 #else
 
@@ -301,13 +301,13 @@ void above_columns(const SgmOptions& options, int width, const SgmBlock& block, 
   }
 }
 
-void finish_rows(const SgmOptions& options, int width, const SgmBlock& block, int begin, int end,
-                 std::uint8_t* memory, const MatchOutput& output) {
+void finish_rows(const SgmOptions& options, int width, const SgmBlock& block, int no_cost,
+                 int begin, int end, std::uint8_t* memory, const MatchOutput& output) {
   auto* owners = reinterpret_cast<std::uint32_t*>(memory);
   RefineJob job;
   job.begin = std::min(options.min_disparity_px, width);
   job.width = width;
-  job.no_cost = kSgmNoCost;
+  job.no_cost = no_cost;
   job.min_disparity_px = options.min_disparity_px;
   job.sub_pixel = options.sub_pixel;
   job.strict_sub_pixel = options.strict_sub_pixel;
@@ -363,9 +363,9 @@ void sgm_above_columns(const SgmOptions& options, int width, const SgmBlock& blo
                        int end, std::uint8_t* memory) {
   HWY_DYNAMIC_DISPATCH(above_columns)(options, width, block, begin, end, memory);
 }
-void sgm_finish_rows(const SgmOptions& options, int width, const SgmBlock& block, int begin,
-                     int end, std::uint8_t* memory, const MatchOutput& output) {
-  HWY_DYNAMIC_DISPATCH(finish_rows)(options, width, block, begin, end, memory, output);
+void sgm_finish_rows(const SgmOptions& options, int width, const SgmBlock& block, int no_cost,
+                     int begin, int end, std::uint8_t* memory, const MatchOutput& output) {
+  HWY_DYNAMIC_DISPATCH(finish_rows)(options, width, block, no_cost, begin, end, memory, output);
 }
 }  // namespace tread
 #endif

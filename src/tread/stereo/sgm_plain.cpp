@@ -22,19 +22,23 @@ class PlainSgm {
         range_(options.num_disparities) {}
 
   void match(const MatchOutput& out) {
-    std::vector<int> above;
+    std::vector<std::vector<int>> cost, sum;
     for (int y = 0; y < height_; ++y) {
-      const std::vector<int> cost = costs(y);
-      std::vector<int> sum(cost.size());
-      follow(cost, 1, sum);
-      follow(cost, -1, sum);
-      std::vector<int> here(cost.size());
-      for (int x = 0; x < width_; ++x) {
-        step(&cost[at(x)], y > 0 ? &above[at(x)] : nullptr, &here[at(x)]);
-      }
-      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += here[i];
-      above = std::move(here);
-      choose(sum, out.disparity.row(y), out.residual.empty() ? nullptr : out.residual.row(y));
+      cost.push_back(costs(y));
+      sum.emplace_back(cost.back().size());
+    }
+    struct Direction {
+      int x, y;
+    };
+    std::vector<Direction> directions{{1, 0}, {-1, 0}, {0, 1}};
+    if (options_.paths != SgmPaths::kThree) directions.push_back({0, -1});
+    if (options_.paths == SgmPaths::kEight) {
+      directions.insert(directions.end(), {{1, 1}, {-1, 1}, {1, -1}, {-1, -1}});
+    }
+    for (const auto [dx, dy] : directions) follow(cost, dx, dy, sum);
+    for (int y = 0; y < height_; ++y) {
+      choose(sum[static_cast<std::size_t>(y)], out.disparity.row(y),
+             out.residual.empty() ? nullptr : out.residual.row(y));
     }
   }
 
@@ -84,14 +88,21 @@ class PlainSgm {
     }
   }
 
-  // Adds the path along the row in direction +1 or -1.
-  void follow(const std::vector<int>& cost, int direction, std::vector<int>& sum) const {
-    std::vector<int> path(cost.size());
-    for (int i = 0; i < width_; ++i) {
-      const int x = direction > 0 ? i : width_ - 1 - i;
-      step(&cost[at(x)], i > 0 ? &path[at(x - direction)] : nullptr, &path[at(x)]);
+  // Adds the path that comes from (-dx, -dy) to the sums of all pixels.
+  void follow(const std::vector<std::vector<int>>& cost, int dx, int dy,
+              std::vector<std::vector<int>>& sum) const {
+    std::vector<int> before(at(width_)), here(before.size());
+    for (int j = 0; j < height_; ++j) {
+      const auto y = static_cast<std::size_t>(dy < 0 ? height_ - 1 - j : j);
+      for (int i = 0; i < width_; ++i) {
+        const int x = dx < 0 ? width_ - 1 - i : i, from = x - dx;
+        const bool first = from < 0 || from >= width_ || (dy != 0 && j == 0);
+        const int* path = first ? nullptr : dy == 0 ? &here[at(from)] : &before[at(from)];
+        step(&cost[y][at(x)], path, &here[at(x)]);
+      }
+      for (std::size_t k = 0; k < here.size(); ++k) sum[y][k] += here[k];
+      std::swap(before, here);
     }
-    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += path[i];
   }
 
   void choose(const std::vector<int>& sum, Disparity* out, std::uint8_t* residual) const {

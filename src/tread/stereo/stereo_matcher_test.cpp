@@ -243,6 +243,7 @@ TEST(StereoMatcher, AnySizeAndOptionsGiveAnAnswerOrAnError) {
     o.sad.uniqueness_percent = below(100);
     o.sad.min_texture = below(3) == 0 ? 2.0 : 0.0;
     o.sad.left_right_tolerance_px = below(3) - 1;
+    o.sgm.paths = choose(SgmPaths::kThree, choose(SgmPaths::kFour, SgmPaths::kEight));
     o.sgm.p2 = below(51);  // 50 is refused
     o.sgm.p1 = below(o.sgm.p2 + 1);
     o.sgm.uniqueness_percent = below(101);
