@@ -199,19 +199,20 @@ class Band {
     }
   }
 
-  // What one look at the costs of a pixel finds.
-  struct Scan {
-    std::uint64_t equal;  // kBits: lanes that cost the least; else the first of them
-    std::uint64_t close;  // kBits: lanes nearly as cheap; else how many there are
-    std::uint32_t least;  // in the low half
+  // What one look at the costs finds, of each pixel of a block.
+  struct Scans {
+    HWY_ALIGN std::uint64_t equal[kBlock];  // kBits: lanes that cost the least; else the first one
+    HWY_ALIGN std::uint64_t close[kBlock];  // kBits: lanes nearly as cheap; else how many there are
+    HWY_ALIGN std::uint64_t least[kBlock];
   };
 
-  // Scans the costs of a pixel, of which the first `fit` disparities count (kMasked: not all), and
-  // leaves them in `costs`. kBits: all lanes fit one word of bits.
+  // Scans the costs of pixel i of the block, of which the first `fit` disparities count (kMasked:
+  // not all), and leaves them in `costs`. kBits: all lanes fit one word of bits.
   template <bool kMasked, bool kBits>
-  HWY_INLINE void scan(int fit, int vectors, const Words* window, std::int16_t* costs,
-                       Scan& found) const {
+  HWY_INLINE void scan(int fit, int vectors, const Words* window, std::int16_t* costs, int i_pixel,
+                       Scans& found) const {
     Words cost[2 * kMaxVectors];
+    Words least_lanes = window[0];
     for (int i = 0; i < 2 * vectors; ++i) {
       cost[i] = window[i];
       if constexpr (kMasked) {
@@ -220,9 +221,8 @@ class Band {
                              Set(I16(), kNoCost));
       }
       Store(cost[i], I16(), costs + i * kLanes / 2);
+      least_lanes = i == 0 ? cost[i] : Min(least_lanes, cost[i]);
     }
-    Words least_lanes = Set(I16(), kNoCost);
-    for (int i = 0; i < 2 * vectors; ++i) least_lanes = Min(least_lanes, cost[i]);
     const auto least_lane = least_of(I16(), least_lanes);
     const Words least = spread_word(least_lane);
     const auto margin = MulHigh(BitCast(U16(), least), Set(U16(), margin_factor_));
@@ -242,29 +242,32 @@ class Band {
         close += hwy::PopCount(close_here);
       }
     }
-    found.equal = equal;
-    found.close = close;
-    found.least = static_cast<std::uint32_t>(GetLane(least_lane));
+    found.equal[i_pixel] = equal;
+    found.close[i_pixel] = close;
+    found.least[i_pixel] = static_cast<std::uint64_t>(GetLane(least_lane));
   }
 
-  // The winner of a pixel from what the scan found.
+  // Winners of a block, as a PixelResult without neighbours, from what the scans found, many at
+  // once. Of those with too wide a margin nothing is known yet.
   template <bool kBits>
-  HWY_INLINE PixelResult settle(const Scan& found, int vectors, const std::int16_t* costs) const {
-    const std::uint32_t least = found.least;
-    const std::uint32_t index =
-        kBits ? lowest_bit(found.equal) : static_cast<std::uint32_t>(found.equal);
-    const auto before = static_cast<std::uint32_t>(costs[place_[index]]);
-    const auto behind = static_cast<std::uint32_t>(costs[place_[index + 2]]);
-    bool ambiguous = false;
-    if (HWY_UNLIKELY(least >= wide_margin_)) {
-      ambiguous = ambiguous_by_words(costs, vectors, least, before, behind);
-    } else if constexpr (kBits) {
-      const std::uint64_t best = found.equal & (~found.equal + 1);
-      ambiguous = (found.close & ~(best | best << 1 | best >> 1)) != 0;
-    } else {
-      ambiguous = found.close != own_count(limit_of(least), before, behind);
+  static HWY_INLINE void settle(const Scans& found, std::uint64_t* winners) {
+    const hn::ScalableTag<std::uint64_t> u64;
+    const auto one = Set(u64, 1);
+    for (int i = 0; i < kBlock; i += static_cast<int>(Lanes(u64))) {
+      auto winner = hn::ShiftLeft<16>(Load(u64, found.least + i));
+      const auto equal = Load(u64, found.equal + i);
+      if constexpr (kBits) {
+        const auto best = And(equal, Sub(Zero(u64), equal));  // the lowest bit
+        const auto own = Or(best, Or(hn::ShiftLeft<1>(best), hn::ShiftRight<1>(best)));
+        const auto others = AndNot(own, Load(u64, found.close + i));
+        winner = Or(winner, PopulationCount(Sub(best, one)));
+        winner = IfThenElse(Eq(others, Zero(u64)), winner,
+                            Or(winner, Set(u64, std::uint64_t{kAmbiguous} << 32)));
+      } else {
+        winner = Or(winner, equal);
+      }
+      Store(winner, u64, winners + i);
     }
-    return {least << 16 | index, before | behind << 16 | (ambiguous ? kAmbiguous : 0U)};
   }
 
   [[nodiscard]] std::uint32_t limit_of(std::uint32_t least) const {
@@ -299,20 +302,33 @@ class Band {
     constexpr bool kBits = kVectors > 0 && kVectors * kLanes <= 64;
     const std::ptrdiff_t stride = vectors * kLanes + kCostGuard;
     std::uint32_t* owner = owner_ - options_.min_disparity_px;
-    Scan scans[kBlock];
+    Scans scans{};
+    HWY_ALIGN std::uint64_t winners[kBlock];
     for (int begin = first; begin < last; begin += kBlock) {
       const int count = std::min(kBlock, last - begin);
       std::int16_t* costs = costs_;
       for (int i = 0; i < count; ++i, costs += stride) {
         slide(at, vectors, cost);
         const int fit = kMasked ? std::min(range_, begin + i - options_.min_disparity_px + 1) : 0;
-        scan<kMasked, kBits>(fit, vectors, cost, costs, scans[i]);
+        scan<kMasked, kBits>(fit, vectors, cost, costs, i, scans);
       }
+      settle<kBits>(scans, winners);
       costs = costs_;
       for (int i = 0; i < count; ++i, costs += stride) {
-        const PixelResult result = settle<kBits>(scans[i], vectors, costs);
-        pixels_[begin + i] = result;
-        claim(owner + begin + i, result.winner);
+        const std::uint32_t index = winners[i] & kIndexMask;
+        const auto before = static_cast<std::uint32_t>(costs[place_[index]]);
+        const auto behind = static_cast<std::uint32_t>(costs[place_[index + 2]]);
+        const auto winner = static_cast<std::uint32_t>(winners[i]);
+        auto ambiguous = static_cast<std::uint32_t>(winners[i] >> 32);
+        if (const std::uint32_t least = winner >> 16; HWY_UNLIKELY(least >= wide_margin_)) {
+          const bool by_words = ambiguous_by_words(costs, vectors, least, before, behind);
+          ambiguous = by_words ? kAmbiguous : 0;
+        } else if constexpr (!kBits) {
+          const std::uint64_t own = own_count(limit_of(least), before, behind);
+          ambiguous = scans.close[i] != own ? kAmbiguous : 0;
+        }
+        pixels_[begin + i] = {winner, before | behind << 16 | ambiguous};
+        claim(owner + begin + i, winner);
       }
     }
   }
