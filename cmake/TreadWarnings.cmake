@@ -8,7 +8,9 @@ function(tread_set_up target)
     target_compile_options(${target} PRIVATE -Wno-restrict -Wno-dangling-pointer)
   endif()
   # Highway leaves out the newer AVX-512 (Ice Lake, Zen 4: byte permutes and bit counts) unless asked.
-  target_compile_definitions(${target} PRIVATE HWY_WANT_AVX3_DL)
+  # On 64-bit ARM it would add SVE, whose vectors have no size to keep them in arrays by.
+  target_compile_definitions(${target} PRIVATE
+    HWY_WANT_AVX3_DL "HWY_DISABLED_TARGETS=(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)")
   if(TREAD_WARNINGS_AS_ERRORS)
     target_compile_options(${target} PRIVATE -Werror)
   endif()

@@ -151,6 +151,9 @@ HWY_INLINE Bytes limits_of(Bytes leasts, hn::Vec<U32> margin_factor) {
 // The path from above to a pixel, its least not taken off, and the sum of all three, left in
 // `sums`. The least of each lane are returned.
 struct LaneLeasts {
+  // Written out: g++ 12 makes an implicit one without the instruction set, which NEON refuses.
+  HWY_INLINE LaneLeasts() {}
+  HWY_INLINE LaneLeasts(Bytes of_path, Bytes of_sum) : path(of_path), sum(of_sum) {}
   Bytes path;
   Bytes sum;
 };
@@ -162,7 +165,7 @@ HWY_INLINE LaneLeasts sum_paths(std::uint8_t* above, int vectors, const AboveLea
   const Bytes least = BitCast(U8(), Set(U32(), before.least));
   const Bytes larger_step = BitCast(U8(), Set(U32(), before.larger_step));
   Bytes now[kStore];
-  LaneLeasts leasts;
+  LaneLeasts leasts{least, least};
   for (int i = 0; i < vectors; ++i) {
     const std::uint8_t* path = above + i * kLanes;
     const Bytes beside = Min(LoadU(U8(), path - 1), LoadU(U8(), path + 1));

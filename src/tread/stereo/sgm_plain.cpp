@@ -172,6 +172,23 @@ class PlainSgm {
 
 }  // namespace
 
+void census_row_plain(ImageView<const std::uint8_t> image, int y, Image<std::uint8_t>& census) {
+  for (int x = 0; x < image.width; ++x) {
+    unsigned bits = 0;
+    for (int j = -2; j <= 2; ++j) {
+      for (int i = -2; i <= 2; ++i) {
+        if (i == 0 && j == 0) continue;
+        const int neighbour =
+            image(std::clamp(x + i, 0, image.width - 1), std::clamp(y + j, 0, image.height - 1));
+        bits = bits << 1 | (neighbour < image(x, y) ? 1U : 0U);
+      }
+    }
+    for (int k = 0; k < 3; ++k) {
+      census(x, 3 * y + k) = static_cast<std::uint8_t>(bits >> (16 - 8 * k));
+    }
+  }
+}
+
 void match_sgm_plain(const SgmImages& images, const SgmOptions& options, const MatchOutput& out) {
   PlainSgm(images, options).match(out);
 }

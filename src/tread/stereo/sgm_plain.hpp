@@ -6,6 +6,8 @@
 
 namespace tread {
 
+// As sgm_census_row.
+void census_row_plain(ImageView<const std::uint8_t> image, int y, Image<std::uint8_t>& census);
 void match_sgm_plain(const SgmImages& images, const SgmOptions& options, const MatchOutput& out);
 
 }  // namespace tread
