@@ -1,0 +1,300 @@
+#include "tread/slam/depth_slam.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "tread/slam/ray_cast.hpp"
+
+namespace tread {
+namespace {
+
+constexpr int kHalveFrom = 480;  // images at least so wide are tracked at half their resolution
+
+double turn_between(const Isometry3d& a, const Isometry3d& b) {
+  return so3_log(a.linear().transpose() * b.linear()).norm();
+}
+
+}  // namespace
+
+OptionSet describe(SlamOptions& options) {
+  OptionSet set;
+  set.add_group("volume", describe(options.volume));
+  set.add_group("integrate", describe(options.integrate));
+  set.add_group("align", describe(options.align));
+  set.add_group("noise", describe(options.noise));
+  set.add("turn_first", options.turn_first, "start from the turn that fits the images best");
+  set.add("speed_sigma_m_per_s", options.speed_sigma_m_per_s,
+          "how far the motion may differ from going on as before, m/s", 1e-3, 100.0);
+  set.add("turn_sigma_rad_per_s", options.turn_sigma_rad_per_s, "and the turn, rad/s", 1e-3, 100.0);
+  set.add("least_matched", options.least_matched,
+          "lost if a smaller part of the frame meets the surface", 0.0, 1.0);
+  set.add("largest_rms", options.largest_rms, "lost if residuals are larger, in sigma", 0.1, 1e3);
+  set.add("key_matched", options.key_matched,
+          "a new keyframe if a smaller part of the old one is in view", 0.0, 1.0);
+  set.add("key_turn_deg", options.key_turn_deg, "or after a turn of so much, degrees", 0.0, 180.0);
+  set.add("key_way", options.key_way, "or after so much way, part of the mean depth", 0.0, 10.0);
+  set.add("least_intensity_share", options.least_intensity_share,
+          "of the weight of intensities that is left where depth says otherwise", 0.0, 1.0);
+  set.add("photo_points", options.photo_points, "points of a keyframe, at most", 100, 1'000'000);
+  return set;
+}
+
+const char* name_of(TrackStatus status) {
+  switch (status) {
+    case TrackStatus::kFirst:
+      return "first";
+    case TrackStatus::kTracked:
+      return "tracked";
+    case TrackStatus::kHeld:
+      return "held";
+    case TrackStatus::kUnobservable:
+      return "unobservable";
+    case TrackStatus::kLost:
+      return "lost";
+  }
+  return "";
+}
+
+struct DepthSlam::Impl {
+  Impl(const PinholeCamera& with, const SlamOptions& chosen, const Isometry3d& T_world_first)
+      : camera(Pinhole::of(with)), options(chosen), volume(chosen.volume), T_world(T_world_first) {}
+
+  [[nodiscard]] Status check(const SlamFrame& in) const;
+  void prepare(const SlamFrame& in, const Context& context);
+  [[nodiscard]] PosePrior predict(const SlamFrame& in) const;
+  [[nodiscard]] TrackStatus judge(const Alignment& found, bool has_prior) const;
+  void map(const SlamFrame& in, SlamState& state, const Context& context);
+  void see_model(const Context& context);
+  void renew_keyframe(SlamState& state);
+  void learn_share(const Alignment& found);
+
+  Pinhole camera;
+  SlamOptions options;
+  VoxelVolume volume;
+  Integrator integrator;
+  NormalFinder normals;
+  bool started = false;
+  bool halved = false;
+  int width = 0, height = 0;
+  std::int64_t stamp_ns = 0;
+  Isometry3d T_world;                    // of the last frame
+  Vector6d velocity = Vector6d::Zero();  // right twist, a second
+  AlignFrame frame, before;              // at hand, and the one before
+  Image<float> half;                     // depth as measured, at tracking resolution
+  Image<float> clean;                    // as given, unknown made NaN
+  std::array<DepthLevel, 3> model;
+  Isometry3d T_world_model = Isometry3d::Identity();
+  PhotoKeyframe key;
+  bool has_key = false;
+  double intensity_share = 0.2;  // until more is known
+  double mean_depth_m = 1.0;
+};
+
+Status DepthSlam::Impl::check(const SlamFrame& in) const {
+  if (in.depth.empty()) {
+    return fail(ErrorCode::kBadArgument, "the depth image is empty", "depth",
+                "Give one with pixels");
+  }
+  const auto differs = [&](const auto& image) {
+    return !image.empty() && !same_size(image, in.depth);
+  };
+  if (differs(in.grey) || differs(in.rgb)) {
+    return fail(ErrorCode::kBadArgument,
+                fmt::format("the image is not of the size of the depth image, {} x {}",
+                            in.depth.width, in.depth.height),
+                "grey", "Register the images to the depth, or leave them out");
+  }
+  if (!started) return {};
+  if (in.depth.width != width || in.depth.height != height) {
+    return fail(ErrorCode::kBadArgument,
+                fmt::format("the depth image is {} x {}, those before were {} x {}", in.depth.width,
+                            in.depth.height, width, height),
+                "depth", "One camera has one size: start anew for another one");
+  }
+  if (in.stamp_ns <= stamp_ns) {
+    return fail(
+        ErrorCode::kBadValue,
+        fmt::format("the time {} ns is not after the last one, {} ns", in.stamp_ns, stamp_ns),
+        "stamp_ns", "Give frames in order of time, each once");
+  }
+  return {};
+}
+
+void DepthSlam::Impl::prepare(const SlamFrame& in, const Context& context) {
+  const ScopedTimer timer(context, "slam/prepare");
+  // What is not a depth is not a number from here on.
+  clean.resize(in.depth.width, in.depth.height);
+  const auto farthest = static_cast<float>(options.integrate.farthest_m);
+  for (int y = 0; y < in.depth.height; ++y) {
+    const float* from = in.depth.row(y);
+    float* to = clean.row(y);
+    for (int x = 0; x < in.depth.width; ++x) {
+      to[x] =
+          from[x] > 0.0F && from[x] <= farthest ? from[x] : std::numeric_limits<float>::quiet_NaN();
+    }
+  }
+  halved = in.depth.width >= kHalveFrom;
+  if (halved) {
+    halve_depth(clean, options.noise, half, context);
+  } else {
+    half = clean;
+  }
+  DepthLevel& fine = frame.depth[0];
+  fine.resize(halved ? camera.halved() : camera, half.width, half.height);
+  fine.depth = half;
+  normals.build_pyramid(options.noise, frame.depth, context);
+  if (in.grey.empty()) {
+    for (GreyLevel& level : frame.grey) level.intensity.resize(0, 0);
+  } else {
+    build_grey_pyramid(in.grey, halved, frame.grey, context);
+  }
+}
+
+PosePrior DepthSlam::Impl::predict(const SlamFrame& in) const {
+  const double dt = static_cast<double>(in.stamp_ns - stamp_ns) * 1e-9;
+  PosePrior prior;
+  if (in.motion) {
+    prior.T_world_camera = T_world * in.motion->T_before_now;
+    prior.information = in.motion->covariance.inverse();
+    return prior;
+  }
+  // After a gap nothing is known of the speed.
+  Isometry3d motion = dt < 0.3 ? se3_exp(Vector6d(velocity * dt)) : Isometry3d::Identity();
+  if (options.turn_first && frame.has_grey() && before.has_grey()) {
+    const Eigen::Matrix3d turn =
+        align_rotation(before.grey[2], frame.grey[2], frame.depth[2].camera, motion.linear());
+    motion.linear() = turn;
+  }
+  prior.T_world_camera = T_world * motion;
+  const double way = options.speed_sigma_m_per_s * dt, turn = options.turn_sigma_rad_per_s * dt;
+  prior.information.diagonal() << Eigen::Vector3d::Constant(1.0 / (way * way)),
+      Eigen::Vector3d::Constant(1.0 / (turn * turn));
+  return prior;
+}
+
+TrackStatus DepthSlam::Impl::judge(const Alignment& found, bool has_prior) const {
+  if (!found.T_world_camera.matrix().allFinite()) return TrackStatus::kLost;
+  const auto matched = static_cast<double>(found.matched);
+  if (found.measured < 100 ||
+      matched < options.least_matched * static_cast<double>(found.measured) ||
+      found.depth_rms > options.largest_rms) {
+    return TrackStatus::kLost;
+  }
+  if (!found.observability.all_known()) {
+    return has_prior ? TrackStatus::kHeld : TrackStatus::kUnobservable;
+  }
+  return TrackStatus::kTracked;
+}
+
+// The model as the next frame is compared with it.
+void DepthSlam::Impl::see_model(const Context& context) {
+  model[0].resize(frame.depth[0].camera, half.width, half.height);
+  const double band = std::max(options.align.gate_m, 6.0 * options.volume.voxel_m);
+  ray_cast(volume, T_world, frame.depth[0].depth, band, model[0], context);
+  const ScopedTimer timer(context, "slam/model_pyramid");
+  normals.build_pyramid(options.noise, model, context);
+  T_world_model = T_world;
+}
+
+void DepthSlam::Impl::renew_keyframe(SlamState& state) {
+  const Alignment& found = state.alignment;
+  if (!frame.has_grey()) return;
+  if (has_key && found.photo_points > 0) {
+    const auto share = static_cast<double>(found.photo_matched) /
+                       static_cast<double>(std::max<std::int64_t>(found.photo_points, 1));
+    const double turn = turn_between(key.T_world_camera, T_world);
+    const double way = (key.T_world_camera.translation() - T_world.translation()).norm();
+    if (share >= options.key_matched && turn < options.key_turn_deg * std::numbers::pi / 180.0 &&
+        way < options.key_way * mean_depth_m) {
+      return;
+    }
+  }
+  const double noise = grey_noise(frame.grey[0].intensity);
+  for (std::size_t level = 0; level < 3; ++level) {
+    const int most = options.photo_points >> (2 * level);
+    const double least_slope = std::max(1.0, 3.0 * kSlopeNoise * noise / (1 << level));
+    choose_photo_points(frame.grey[level], model[level], least_slope, std::max(most, 100),
+                        key.points[level]);
+    key.camera[level] = frame.depth[level].camera;
+  }
+  key.T_world_camera = T_world;
+  has_key = true;
+  state.keyframe = true;
+}
+
+void DepthSlam::Impl::learn_share(const Alignment& found) {
+  constexpr double kMemory = 0.7;  // of some three frames
+  if (found.disagreement <= 0.0) return;
+  const double fits = std::clamp(1.0 / (found.disagreement * found.disagreement),
+                                 options.least_intensity_share, 1.0);
+  intensity_share = kMemory * intensity_share + (1.0 - kMemory) * fits;
+}
+
+void DepthSlam::Impl::map(const SlamFrame& in, SlamState& state, const Context& context) {
+  volume.centre_on(T_world.translation());
+  const FusionFrame fusion{clean, in.rgb, in.grey, camera, T_world};
+  state.blocks = integrator.integrate(fusion, options.noise, options.integrate, volume, context);
+}
+
+DepthSlam::DepthSlam(const PinholeCamera& camera, const SlamOptions& options,
+                     const Isometry3d& T_world_first)
+    : impl_(std::make_unique<Impl>(camera, options, T_world_first)) {}
+DepthSlam::~DepthSlam() = default;
+DepthSlam::DepthSlam(DepthSlam&&) noexcept = default;
+DepthSlam& DepthSlam::operator=(DepthSlam&&) noexcept = default;
+const VoxelVolume& DepthSlam::volume() const {
+  return impl_->volume;
+}
+const SlamOptions& DepthSlam::options() const {
+  return impl_->options;
+}
+
+Result<SlamState> DepthSlam::track(const SlamFrame& in, const Context& context) {
+  Impl& slam = *impl_;
+  if (Status good = slam.check(in); !good) return tl::unexpected(good.error());
+  const ScopedTimer timer(context, "slam");
+  std::swap(slam.frame, slam.before);
+  slam.prepare(in, context);
+  SlamState state;
+  state.stamp_ns = in.stamp_ns;
+  if (!slam.started) {
+    slam.width = in.depth.width;
+    slam.height = in.depth.height;
+    slam.started = mean_depth(slam.frame.depth[1].depth) > 0.0;
+    state.status = slam.started ? TrackStatus::kFirst : TrackStatus::kLost;
+    state.covariance.setZero();
+  } else {
+    const PosePrior prior = slam.predict(in);
+    AlignOptions options = slam.options.align;
+    options.intensity_share *= slam.intensity_share;
+    state.alignment =
+        align(slam.frame, &slam.model, slam.T_world_model, slam.has_key ? &slam.key : nullptr,
+              prior, slam.options.noise, options, context);
+    slam.learn_share(state.alignment);
+    state.status = slam.judge(state.alignment, in.motion.has_value());
+    state.covariance = state.alignment.covariance;
+    if (state.status != TrackStatus::kLost) {
+      const double dt = static_cast<double>(in.stamp_ns - slam.stamp_ns) * 1e-9;
+      slam.velocity = se3_log(slam.T_world.inverse() * state.alignment.T_world_camera) / dt;
+      // A guess must not feed the next one.
+      if (state.status == TrackStatus::kUnobservable) slam.velocity *= 0.8;
+      slam.T_world = state.alignment.T_world_camera;
+    } else {
+      slam.velocity.setZero();
+    }
+  }
+  slam.stamp_ns = in.stamp_ns;
+  state.T_world_camera = slam.T_world;
+  if (state.mapped()) slam.map(in, state, context);
+  if (state.status != TrackStatus::kLost) {
+    slam.see_model(context);
+    slam.renew_keyframe(state);
+  }
+  return state;
+}
+
+}  // namespace tread

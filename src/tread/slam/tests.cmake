@@ -1,0 +1,11 @@
+# Tests of this module, built into tests/tread_tests.
+set(here ${CMAKE_CURRENT_LIST_DIR})
+target_sources(tread_tests PRIVATE
+  ${here}/align_test.cpp
+  ${here}/depth_level_test.cpp
+  ${here}/depth_slam_test.cpp
+  ${here}/integrate_test.cpp
+  ${here}/observability_test.cpp
+  ${here}/ray_cast_test.cpp
+  ${here}/voxel_volume_test.cpp
+  ${PROJECT_SOURCE_DIR}/bench/rendered_scene.cpp)
