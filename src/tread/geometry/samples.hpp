@@ -21,4 +21,15 @@ struct StereoFrame {
                                            // with z up (REP 103), metres
 };
 
+// Depth, and colour if there is a colour camera, of one time and of one size.
+struct RgbdFrame {
+  std::int64_t stamp_ns = 0;                 // of the depth image
+  std::string name;                          // how messages call it: "frame-000012"
+  Image<float> depth;                        // metres along the optical axis; NaN where unknown
+  Image<std::uint8_t> grey;                  // empty without a colour image
+  Image<Rgb> rgb;                            // likewise, and if that image is grey
+  std::optional<Isometry3d> T_world_camera;  // if the source knows: optical axes of the depth
+                                             // camera into the world of the source, metres
+};
+
 }  // namespace tread

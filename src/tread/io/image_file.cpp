@@ -4,8 +4,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
+#include <limits>
 #include <new>
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
@@ -253,6 +255,34 @@ Result<Image<std::uint16_t>> read_png16(const fs::path& path) {
     std::copy(from, from + image.width, image.row(y));
   }
   return image;
+}
+
+Status check_depth_units(double units_per_metre, const std::string& where) {
+  constexpr double kFewest = 1e-3, kMost = 1e9;  // far from where a float would end
+  if (units_per_metre >= kFewest && units_per_metre <= kMost) return {};
+  return fail(ErrorCode::kBadArgument,
+              fmt::format("{} units of depth per metre are not between {} and {}", units_per_metre,
+                          kFewest, kMost),
+              where, "Give 1000 if the depth images are in millimetres");
+}
+
+Result<Image<float>> read_depth_image(const fs::path& path, double units_per_metre,
+                                      bool full_is_unknown) {
+  const Status units = check_depth_units(units_per_metre, path.string());
+  if (!units) return forward(units);
+  const auto stored = read_png16(path);
+  if (!stored) return forward(stored);
+  constexpr std::uint16_t kFull = 65535;
+  Image<float> depth(stored->width, stored->height);
+  for (int y = 0; y < depth.height; ++y) {
+    std::transform(stored->row(y), stored->row(y) + depth.width, depth.row(y),
+                   [&](std::uint16_t value) {
+                     const bool unknown = value == 0 || (full_is_unknown && value == kFull);
+                     return unknown ? std::numeric_limits<float>::quiet_NaN()
+                                    : static_cast<float>(value / units_per_metre);
+                   });
+  }
+  return depth;
 }
 
 Result<bool> has_colour(const fs::path& path) {

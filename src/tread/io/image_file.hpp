@@ -30,6 +30,12 @@ struct ImageReading {
 [[nodiscard]] Result<Image<Rgb>> read_colour(const std::filesystem::path& path);
 // One channel, 16 bits, exactly as stored; 8-bit files are refused.
 [[nodiscard]] Result<Image<std::uint16_t>> read_png16(const std::filesystem::path& path);
+// Depth along the optical axis in metres from a PNG as read_png16 takes it: value /
+// units_per_metre, above 0. NaN where it is unknown: at 0, and at 65535 too if `full_is_unknown`.
+[[nodiscard]] Result<Image<float>> read_depth_image(const std::filesystem::path& path,
+                                                    double units_per_metre, bool full_is_unknown);
+// Whether it takes these units: above 0, and so that depths are within a float's range.
+[[nodiscard]] Status check_depth_units(double units_per_metre, const std::string& where);
 // True for files that have colour (three or more channels).
 [[nodiscard]] Result<bool> has_colour(const std::filesystem::path& path);
 // Width and height without decoding; the file is checked to be complete.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "file_mutations.hpp"
@@ -302,6 +303,31 @@ TEST(ReadGrey, DeepImagesOfFewerBitsAndMosaics) {
   ASSERT_FALSE(coloured);
   EXPECT_NE(coloured.error().message().find("no raw mosaic"), std::string::npos);
   EXPECT_FALSE(read_grey(folder / "deep.png", {7, false}));
+}
+
+TEST(ReadDepthImage, GivesMetresAndNanWhereItIsUnknown) {
+  const ScratchFolder folder;
+  const fs::path path = folder / "depth.png";
+  const std::string rows("\x00\x00\x03\xe8\xff\xfe\xff\xff", 8);  // 0, 1000, 65534, 65535
+  put_file(path, make_png(2, 2, 16, 0, rows));
+  const auto millimetres = read_depth_image(path, 1000.0, true);
+  ASSERT_TRUE(millimetres) << millimetres.error().message();
+  EXPECT_TRUE(std::isnan((*millimetres)(0, 0)));
+  EXPECT_EQ((*millimetres)(1, 0), 1.0F);
+  EXPECT_EQ((*millimetres)(0, 1), 65.534F);
+  EXPECT_TRUE(std::isnan((*millimetres)(1, 1)));
+  const auto tum = read_depth_image(path, 5000.0, false);
+  ASSERT_TRUE(tum) << tum.error().message();
+  EXPECT_TRUE(std::isnan((*tum)(0, 0)));
+  EXPECT_EQ((*tum)(1, 0), 0.2F);
+  EXPECT_EQ((*tum)(1, 1), 13.107F);
+  for (const double units : {0.0, -1000.0, 1e-30, 1e300, std::nan("")}) {
+    const auto refused = read_depth_image(path, units, true);
+    ASSERT_FALSE(refused) << units;
+    EXPECT_EQ(refused.error().code, ErrorCode::kBadArgument);
+  }
+  put_file(path, make_png(2, 2, 8, 0, "abcd"));
+  EXPECT_EQ(read_depth_image(path, 1000.0, true).error().code, ErrorCode::kBadFormat);
 }
 
 }  // namespace

@@ -361,29 +361,61 @@ Result<PointCloud> read(const fs::path& path) {
 
 }  // namespace
 
-Status write_ply(const fs::path& path, const PointCloud& cloud) {
-  const bool coloured = !cloud.colours.empty();
-  if (coloured && cloud.colours.size() != cloud.points.size()) {
-    return fail(ErrorCode::kBadArgument,
-                fmt::format("{} colours for {} points", cloud.colours.size(), cloud.points.size()),
-                path.string(), "Give one colour a point, or none");
-  }
-  std::string bytes = fmt::format(
+namespace {
+
+Status check_colours(std::size_t colours, std::size_t points, const fs::path& path) {
+  if (colours == 0 || colours == points) return {};
+  return fail(ErrorCode::kBadArgument, fmt::format("{} colours for {} points", colours, points),
+              path.string(), "Give one colour a point, or none");
+}
+
+std::string vertex_header(std::size_t count, bool coloured) {
+  return fmt::format(
       "ply\nformat binary_little_endian 1.0\nelement vertex {}\n"
-      "property float x\nproperty float y\nproperty float z\n{}end_header\n",
-      cloud.points.size(),
-      coloured ? "property uchar red\nproperty uchar green\nproperty uchar blue\n" : "");
+      "property float x\nproperty float y\nproperty float z\n{}",
+      count, coloured ? "property uchar red\nproperty uchar green\nproperty uchar blue\n" : "");
+}
+
+void append_vertices(const std::vector<Eigen::Vector3f>& points, const std::vector<Rgb>& colours,
+                     std::string& bytes) {
   constexpr std::size_t kPointBytes = 3 * sizeof(float);
-  bytes.reserve(bytes.size() + cloud.points.size() * (kPointBytes + (coloured ? 3 : 0)));
-  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
     std::array<char, kPointBytes> packed{};
-    std::memcpy(packed.data(), cloud.points[i].data(), kPointBytes);
+    std::memcpy(packed.data(), points[i].data(), kPointBytes);
     bytes.append(packed.data(), packed.size());
-    if (!coloured) continue;
-    const Rgb& colour = cloud.colours[i];
-    for (const std::uint8_t channel : {colour.r, colour.g, colour.b}) {
+    if (colours.empty()) continue;
+    for (const std::uint8_t channel : {colours[i].r, colours[i].g, colours[i].b}) {
       bytes += static_cast<char>(channel);
     }
+  }
+}
+
+}  // namespace
+
+Status write_ply(const fs::path& path, const PointCloud& cloud) {
+  if (Status good = check_colours(cloud.colours.size(), cloud.points.size(), path); !good) {
+    return good;
+  }
+  std::string bytes = vertex_header(cloud.points.size(), !cloud.colours.empty()) + "end_header\n";
+  bytes.reserve(bytes.size() + cloud.points.size() * 15);
+  append_vertices(cloud.points, cloud.colours, bytes);
+  return write_file(path, bytes);
+}
+
+Status write_ply(const fs::path& path, const Mesh& mesh) {
+  if (Status good = check_colours(mesh.colours.size(), mesh.vertices.size(), path); !good) {
+    return good;
+  }
+  std::string bytes =
+      vertex_header(mesh.vertices.size(), !mesh.colours.empty()) +
+      fmt::format("element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+                  mesh.triangles.size());
+  bytes.reserve(bytes.size() + mesh.vertices.size() * 15 + mesh.triangles.size() * 13);
+  append_vertices(mesh.vertices, mesh.colours, bytes);
+  for (const auto& triangle : mesh.triangles) {
+    std::array<char, 1 + sizeof(triangle)> packed{3};
+    std::memcpy(packed.data() + 1, triangle.data(), sizeof(triangle));
+    bytes.append(packed.data(), packed.size());
   }
   return write_file(path, bytes);
 }

@@ -42,8 +42,27 @@ TEST(Ply, RoundTripIsExact) {
     EXPECT_EQ(read->points, cloud.points);
     EXPECT_EQ(read->colours, cloud.colours);
   }
-  ASSERT_TRUE(write_ply(folder / "empty.ply", {}));
+  ASSERT_TRUE(write_ply(folder / "empty.ply", PointCloud{}));
   EXPECT_TRUE(read_ply(folder / "empty.ply").value().points.empty());
+}
+
+TEST(Ply, AMeshHasItsFacesBehindItsVertices) {
+  const ScratchFolder folder;
+  Mesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  mesh.colours = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {10, 11, 12}};
+  mesh.triangles = {{0, 2, 1}, {0, 1, 3}};
+  ASSERT_TRUE(write_ply(folder / "a.ply", mesh));
+  const std::string bytes = testing::get_file(folder / "a.ply");
+  EXPECT_NE(bytes.find("element face 2\nproperty list uchar int vertex_indices\n"),
+            std::string::npos);
+  EXPECT_TRUE(bytes.ends_with(std::string(1, '\3') + bytes_of(0) + bytes_of(1) + bytes_of(3)));
+  const auto points = read_ply(folder / "a.ply");
+  ASSERT_TRUE(points) << points.error().message();
+  EXPECT_EQ(points->points, mesh.vertices);
+  EXPECT_EQ(points->colours, mesh.colours);
+  mesh.colours.pop_back();
+  EXPECT_EQ(write_ply(folder / "b.ply", mesh).error().code, ErrorCode::kBadArgument);
 }
 
 TEST(Ply, TheFileIsWhatTheFormatSays) {

@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <system_error>
@@ -17,6 +16,7 @@
 #include "tread/io/stereo_folder.hpp"
 #include "tread/io/text.hpp"
 #include "tread/io/trajectory_file.hpp"
+#include "tread/io/usual_image_size.hpp"
 
 namespace tread {
 namespace {
@@ -99,51 +99,15 @@ bool is_there(const fs::path& path) {
   return fs::exists(path, ignored);
 }
 
-// Votes of images for a size; of equally many the one that came first.
-class SizeVotes {
- public:
-  void add(ImageSize size) {
-    const auto known = std::find_if(votes_.begin(), votes_.end(),
-                                    [size](const auto& vote) { return vote.first == size; });
-    if (known == votes_.end()) {
-      votes_.emplace_back(size, 1);
-    } else {
-      ++known->second;
-    }
-  }
-  [[nodiscard]] std::optional<ImageSize> most() const {
-    const auto found =
-        std::max_element(votes_.begin(), votes_.end(),
-                         [](const auto& a, const auto& b) { return a.second < b.second; });
-    return found == votes_.end() ? std::nullopt : std::optional(found->first);
-  }
-
- private:
-  std::vector<std::pair<ImageSize, int>> votes_;
-};
-
-// The size that most images have, of up to nine frames spread over the drive: one odd image shall
-// not speak for the others. If none of those can be read, the size of the first that can.
 Result<ImageSize> find_image_size(const StereoFolder& folder) {
-  constexpr std::size_t kAsked = 9;
-  const std::size_t count = folder.frames.size();  // at least one
-  SizeVotes votes;
-  for (std::size_t i = 0; i < std::min(kAsked, count); ++i) {
-    const StereoFolder::Frame& frame =
-        folder.frames[count <= kAsked ? i : i * (count - 1) / (kAsked - 1)];
+  std::vector<std::vector<fs::path>> images;
+  for (const StereoFolder::Frame& frame : folder.frames) {
+    std::vector<fs::path>& pair = images.emplace_back();
     for (const fs::path& path : {frame.left, frame.right}) {
-      if (path.empty()) continue;
-      if (const auto size = read_image_size(path)) votes.add(*size);
+      if (!path.empty()) pair.push_back(path);
     }
   }
-  if (const auto most = votes.most()) return *most;
-  std::optional<Result<ImageSize>> first;
-  for (const StereoFolder::Frame& frame : folder.frames) {
-    auto size = read_image_size(frame.left.empty() ? frame.right : frame.left);
-    if (size) return size;
-    if (!first) first = std::move(size);
-  }
-  return *first;
+  return usual_image_size(images);
 }
 
 // What read_rig shall be given.

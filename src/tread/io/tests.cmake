@@ -12,6 +12,9 @@ target_sources(tread_tests PRIVATE
   ${here}/pfm_file_test.cpp
   ${here}/raster_file_errors_test.cpp
   ${here}/raster_file_test.cpp
+  ${here}/rgbd_camera_test.cpp
+  ${here}/rgbd_lists_test.cpp
+  ${here}/rgbd_source_test.cpp
   ${here}/rig_file_damaged_test.cpp
   ${here}/rig_file_test.cpp
   ${here}/rig_format_pairs_test.cpp

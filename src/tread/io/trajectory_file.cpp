@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cassert>
 #include <cmath>
 
 #include "tread/io/atomic_file.hpp"
@@ -16,29 +17,23 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kLargestFile = std::size_t{1} << 30;
+constexpr const char* kCorrectLine = "Correct or remove this line";
 
-// All fields of a line from `first` on as finite numbers.
+// The first N fields as finite numbers; there are at least so many.
 template <std::size_t N>
-Result<std::array<double, N>> finite_numbers(const std::vector<std::string_view>& fields,
-                                             std::size_t first, const std::string& place) {
+Result<std::array<double, N>> finite_numbers(std::span<const std::string_view> fields,
+                                             const std::string& place, const char* remedy) {
   std::array<double, N> numbers{};
   for (std::size_t i = 0; i < N; ++i) {
-    const std::string_view text = fields[first + i];
+    const std::string_view text = fields[i];
     const auto number = parse_number<double>(text);
     if (!number || !std::isfinite(*number)) {
       return fail(ErrorCode::kBadFormat, in_quotes(text) + " is not a finite number", place,
-                  "Correct or remove this line");
+                  remedy);
     }
     numbers[i] = *number;
   }
   return numbers;
-}
-
-Result<std::int64_t> parse_time(std::string_view text, const std::string& place) {
-  const auto stamp_ns = parse_seconds_as_ns(text);
-  if (stamp_ns) return *stamp_ns;
-  return fail(ErrorCode::kBadFormat, in_quotes(text) + " is not a time in seconds", place,
-              "Write seconds, as 1305031102.175304");
 }
 
 tl::unexpected<Error> not_increasing(const std::string& place) {
@@ -52,24 +47,24 @@ Result<StampedPose> parse_tum_line(std::string_view line, const std::string& pla
     return fail(ErrorCode::kBadFormat, fmt::format("{} fields instead of 8", fields.size()), place,
                 "A line of a TUM trajectory is: time tx ty tz qx qy qz qw");
   }
-  const auto stamp_ns = parse_time(fields[0], place);
+  const auto stamp_ns = parse_stamp(fields[0], place);
   if (!stamp_ns) return forward(stamp_ns);
-  const auto numbers = finite_numbers<7>(fields, 1, place);
-  if (!numbers) return forward(numbers);
-  const auto& n = *numbers;
-  Eigen::Vector4d q(n[3], n[4], n[5], n[6]);
-  // Scaled first, so that its square neither overflows nor vanishes.
-  const double largest = q.cwiseAbs().maxCoeff();
-  if (largest < 1e-6) {
-    return fail(ErrorCode::kBadValue, "the quaternion is zero", place,
-                "Write the rotation as qx qy qz qw; none is 0 0 0 1");
+  const auto pose = parse_tum_pose(std::span(fields).subspan(1), place);
+  if (!pose) return forward(pose);
+  return StampedPose{*stamp_ns, *pose};
+}
+
+// The pose of a 3x4 matrix, row by row.
+Result<Isometry3d> pose_of_rows(std::span<const double, 12> rows, const std::string& place) {
+  Isometry3d T = Isometry3d::Identity();
+  T.matrix().topRows<3>() =
+      Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(rows.data());
+  if (!is_rigid(T)) {
+    return fail(ErrorCode::kBadValue, "the 3x3 part is not a rotation", place,
+                "Check that the matrix is written row by row and has no scale");
   }
-  q = (q / largest).normalized();
-  StampedPose pose;
-  pose.stamp_ns = *stamp_ns;
-  pose.pose.linear() = Eigen::Quaterniond(q[3], q[0], q[1], q[2]).toRotationMatrix();
-  pose.pose.translation() = Eigen::Vector3d(n[0], n[1], n[2]);
-  return pose;
+  T.linear() = Eigen::Quaterniond(T.linear()).normalized().toRotationMatrix();
+  return T;
 }
 
 Result<Isometry3d> parse_kitti_line(std::string_view line, const std::string& place) {
@@ -78,17 +73,9 @@ Result<Isometry3d> parse_kitti_line(std::string_view line, const std::string& pl
     return fail(ErrorCode::kBadFormat, fmt::format("{} fields instead of 12", fields.size()), place,
                 "A line of KITTI poses is a 3x4 matrix, row by row");
   }
-  const auto numbers = finite_numbers<12>(fields, 0, place);
+  const auto numbers = finite_numbers<12>(fields, place, kCorrectLine);
   if (!numbers) return forward(numbers);
-  Isometry3d T = Isometry3d::Identity();
-  T.matrix().topRows<3>() =
-      Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(numbers->data());
-  if (!is_rigid(T)) {
-    return fail(ErrorCode::kBadValue, "the 3x3 part is not a rotation", place,
-                "Check that the matrix is written row by row and has no scale");
-  }
-  T.linear() = Eigen::Quaterniond(T.linear()).normalized().toRotationMatrix();
-  return T;
+  return pose_of_rows(*numbers, place);
 }
 
 Result<std::vector<TextLine>> lines_of(const std::string& text, const fs::path& path) {
@@ -99,6 +86,33 @@ Result<std::vector<TextLine>> lines_of(const std::string& text, const fs::path& 
 }
 
 }  // namespace
+
+Result<std::int64_t> parse_stamp(std::string_view text, const std::string& place) {
+  const auto stamp_ns = parse_seconds_as_ns(text);
+  if (stamp_ns) return *stamp_ns;
+  return fail(ErrorCode::kBadFormat, in_quotes(text) + " is not a time in seconds", place,
+              "Write seconds, as 1305031102.175304");
+}
+
+Result<Isometry3d> parse_tum_pose(std::span<const std::string_view> fields,
+                                  const std::string& place) {
+  assert(fields.size() == 7);
+  const auto numbers = finite_numbers<7>(fields, place, kCorrectLine);
+  if (!numbers) return forward(numbers);
+  const auto& n = *numbers;
+  Eigen::Vector4d q(n[3], n[4], n[5], n[6]);
+  // Scaled first, so that its square neither overflows nor vanishes.
+  const double largest = q.cwiseAbs().maxCoeff();
+  if (largest < 1e-6) {
+    return fail(ErrorCode::kBadValue, "the quaternion is zero", place,
+                "Write the rotation as qx qy qz qw; none is 0 0 0 1");
+  }
+  q = (q / largest).normalized();
+  Isometry3d pose = Isometry3d::Identity();
+  pose.linear() = Eigen::Quaterniond(q[3], q[0], q[1], q[2]).toRotationMatrix();
+  pose.translation() = Eigen::Vector3d(n[0], n[1], n[2]);
+  return pose;
+}
 
 Result<Trajectory> read_tum_trajectory(const fs::path& path, std::vector<Error>* bad_lines) {
   const auto text = read_file(path, kLargestFile);
@@ -136,7 +150,7 @@ Status write_tum_trajectory(const fs::path& path, const Trajectory& trajectory) 
 }
 
 Result<std::vector<std::optional<Isometry3d>>> read_kitti_poses(const fs::path& path,
-                                                               std::vector<Error>* bad_lines) {
+                                                                std::vector<Error>* bad_lines) {
   const auto text = read_file(path, kLargestFile);
   if (!text) return forward(text);
   const auto lines = lines_of(*text, path);
@@ -151,6 +165,28 @@ Result<std::vector<std::optional<Isometry3d>>> read_kitti_poses(const fs::path& 
   return poses;
 }
 
+Result<Isometry3d> read_pose_matrix(const fs::path& path) {
+  const auto text = read_file(path, std::size_t{1} << 16);
+  if (!text) return forward(text);
+  std::vector<std::string_view> fields;
+  for (const TextLine& line : lines_with_content(*text)) {
+    const auto of_line = split_fields(line.text);
+    fields.insert(fields.end(), of_line.begin(), of_line.end());
+  }
+  constexpr const char* kRemedy = "Write a 4x4 matrix, row by row, its last row 0 0 0 1";
+  if (fields.size() != 16) {
+    return fail(ErrorCode::kBadFormat, fmt::format("{} fields instead of 16", fields.size()),
+                path.string(), kRemedy);
+  }
+  const auto numbers = finite_numbers<16>(fields, path.string(), kRemedy);
+  if (!numbers) return forward(numbers);
+  const auto& n = *numbers;
+  if (n[12] != 0.0 || n[13] != 0.0 || n[14] != 0.0 || n[15] != 1.0) {
+    return fail(ErrorCode::kBadFormat, "the last row is not 0 0 0 1", path.string(), kRemedy);
+  }
+  return pose_of_rows(std::span(n).first<12>(), path.string());
+}
+
 Result<std::vector<std::int64_t>> read_times(const fs::path& path) {
   const auto text = read_file(path, kLargestFile);
   if (!text) return forward(text);
@@ -159,7 +195,7 @@ Result<std::vector<std::int64_t>> read_times(const fs::path& path) {
   std::vector<std::int64_t> times_ns;
   for (const TextLine& line : *lines) {
     const std::string place = line_place(path.string(), line.number);
-    const auto stamp_ns = parse_time(line.text, place);
+    const auto stamp_ns = parse_stamp(line.text, place);
     if (!stamp_ns) return forward(stamp_ns);
     if (!times_ns.empty() && *stamp_ns <= times_ns.back()) return not_increasing(place);
     times_ns.push_back(*stamp_ns);

@@ -5,6 +5,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "tread/core/result.hpp"
@@ -25,7 +28,19 @@ namespace tread {
 [[nodiscard]] Result<std::vector<std::optional<Isometry3d>>> read_kitti_poses(
     const std::filesystem::path& path, std::vector<Error>* bad_lines = nullptr);
 
+// One pose a file, as 7-Scenes has it: a 4x4 matrix of 16 numbers, row by row, between blanks and
+// line ends. A rotation that is off by rounding is made orthonormal; one that is none, and numbers
+// that are not finite (how those data sets write that a frame has no pose), are errors.
+[[nodiscard]] Result<Isometry3d> read_pose_matrix(const std::filesystem::path& path);
+
 // One time in seconds a line, strictly increasing, as KITTI's times.txt; exact nanoseconds.
 [[nodiscard]] Result<std::vector<std::int64_t>> read_times(const std::filesystem::path& path);
+
+// Parts of a line, for readers of lists that hold times and poses; `place` names it in messages.
+// Seconds as exact nanoseconds.
+[[nodiscard]] Result<std::int64_t> parse_stamp(std::string_view text, const std::string& place);
+// Seven fields, tx ty tz qx qy qz qw; the quaternion is normalised.
+[[nodiscard]] Result<Isometry3d> parse_tum_pose(std::span<const std::string_view> fields,
+                                                const std::string& place);
 
 }  // namespace tread

@@ -211,5 +211,51 @@ TEST(Times, DamagedFilesAreCleanlyReadOrRefused) {
   EXPECT_GT(testing::damaged_files_refused(valid, folder / "t", read), 500);
 }
 
+constexpr const char* kMatrix =
+    "  0.0e+000\t -1.0e+000\t  0.0e+000\t  1.5e+000\t\r\n"
+    "  1.0e+000\t  0.0e+000\t  0.0e+000\t -2.0e+000\t\r\n"
+    "  0.0e+000\t  0.0e+000\t  1.0e+000\t  3.0e+000\t\r\n"
+    "  0.0e+000\t  0.0e+000\t  0.0e+000\t  1.0e+000\t\r\n";
+
+TEST(PoseMatrix, ReadsWhat7ScenesWrites) {
+  const ScratchFolder folder;
+  const fs::path path = folder / "frame-000000.pose.txt";
+  put_file(path, kMatrix);
+  const auto pose = read_pose_matrix(path);
+  ASSERT_TRUE(pose) << pose.error().message();
+  EXPECT_EQ(pose->translation(), Eigen::Vector3d(1.5, -2.0, 3.0));
+  EXPECT_LT((*pose * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(1.5, -1.0, 3.0)).norm(), 1e-12);
+}
+
+TEST(PoseMatrix, WhatIsNoPoseIsRefusedByName) {
+  const ScratchFolder folder;
+  const fs::path path = folder / "p.txt";
+  const std::string last = "0 0 0 1\n";
+  for (const std::string& text :
+       {std::string(), std::string("1 0 0"), "1 0 0 0 0 1 0 0 0 0 1 nan " + last,
+        "-inf 0 0 0 0 1 0 0 0 0 1 0 " + last, "-1.#IND 0 0 0 0 1 0 0 0 0 1 0 " + last,
+        "0 0 0 0 0 0 0 0 0 0 0 0 " + last, "2 0 0 0 0 2 0 0 0 0 2 0 " + last,
+        "1 0 0 0 0 1 0 0 0 0 -1 0 " + last, "1 0 0 0 0 1 0 0 0 0 1 0 " + last + "5",
+        std::string("1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 0")}) {
+    put_file(path, text);
+    const auto pose = read_pose_matrix(path);
+    ASSERT_FALSE(pose) << text;
+    EXPECT_EQ(pose.error().where, path.string());
+    EXPECT_FALSE(pose.error().remedy.empty());
+  }
+  EXPECT_EQ(read_pose_matrix(folder / "none.txt").error().code, ErrorCode::kNotFound);
+}
+
+TEST(PoseMatrix, DamagedFilesAreCleanlyReadOrRefused) {
+  const ScratchFolder folder;
+  const int refused =
+      testing::damaged_files_refused(kMatrix, folder / "p.txt", [](const fs::path& path) {
+        const auto pose = read_pose_matrix(path);
+        EXPECT_TRUE(!pose || is_rigid(*pose));
+        return pose.has_value();
+      });
+  EXPECT_GT(refused, 500);
+}
+
 }  // namespace
 }  // namespace tread

@@ -4,6 +4,7 @@ target_sources(tread_tests PRIVATE
   ${here}/align_test.cpp
   ${here}/depth_level_test.cpp
   ${here}/depth_slam_test.cpp
+  ${here}/extract_mesh_test.cpp
   ${here}/integrate_test.cpp
   ${here}/observability_test.cpp
   ${here}/ray_cast_test.cpp
