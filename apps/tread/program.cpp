@@ -79,6 +79,7 @@ int run_program(int argc, const char* const* argv, const std::string& version) {
   int status = 0;
   const std::string line = command_line(argc, argv);
   add_depth_command(app, status, line);
+  add_slam_command(app, status, line);
   add_map_command(app, status, line);
   add_plan_command(app, status);
   add_info_command(app, status);

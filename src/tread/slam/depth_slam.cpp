@@ -26,6 +26,8 @@ OptionSet describe(SlamOptions& options) {
   set.add_group("integrate", describe(options.integrate));
   set.add_group("align", describe(options.align));
   set.add_group("noise", describe(options.noise));
+  set.add("window_ahead_m", options.window_ahead_m,
+          "where the middle of the volume's window is, ahead of the camera, m", 0.0, 100.0);
   set.add("turn_first", options.turn_first, "start from the turn that fits the images best");
   set.add("speed_sigma_m_per_s", options.speed_sigma_m_per_s,
           "how far the motion may differ from going on as before, m/s", 1e-3, 100.0);
@@ -235,7 +237,7 @@ void DepthSlam::Impl::learn_share(const Alignment& found) {
 }
 
 void DepthSlam::Impl::map(const SlamFrame& in, SlamState& state, const Context& context) {
-  volume.centre_on(T_world.translation());
+  volume.centre_on(T_world * Eigen::Vector3d(0.0, 0.0, options.window_ahead_m));
   const FusionFrame fusion{clean, in.rgb, in.grey, camera, T_world};
   state.blocks = integrator.integrate(fusion, options.noise, options.integrate, volume, context);
 }

@@ -25,7 +25,8 @@ struct SlamOptions {
   IntegrateOptions integrate;
   AlignOptions align;
   DepthNoise noise;
-  bool turn_first = true;  // start from the turn that fits the images best
+  double window_ahead_m = 0.0;  // where the middle of the volume's window is, ahead of the camera
+  bool turn_first = true;       // start from the turn that fits the images best
   // What is assumed of the motion between frames where nothing else is known: that it goes on as
   // before, to these deviations for each second.
   double speed_sigma_m_per_s = 1.0;

@@ -46,6 +46,9 @@ OptionSet describe(VolumeOptions& options) {
   set.add("memory_mb", options.memory_mb, "voxels at hand, and in the archive, MiB", 16, 8192);
   set.add("archive_on_disk", options.archive_on_disk,
           "what the camera leaves behind is kept in a temporary file, else in memory");
+  set.add("shift_m", options.shift_m,
+          "the window moves when its middle is off by more, m; 0: by an eighth of the window", 0.0,
+          1e3);
   set.add("keep_radius_m", options.keep_radius_m,
           "what is farther away is dropped from the archive, m; 0: nothing is", 0.0, 1e6);
   return set;
@@ -161,7 +164,9 @@ bool VoxelVolume::centre_on(const Eigen::Vector3d& position) {
   const BlockPlace middle = block_of(position);
   const BlockPlace old(view_.origin[0], view_.origin[1], view_.origin[2]);
   const BlockPlace wanted = middle - BlockPlace::Constant(side / 2);
-  if ((wanted - old).cwiseAbs().maxCoeff() <= side / 8) return false;
+  const double slack =
+      options_.shift_m > 0.0 ? options_.shift_m / (options_.voxel_m * kBlockSide) : side / 8;
+  if ((wanted - old).cwiseAbs().maxCoeff() <= slack) return false;
   // What leaves goes while the old window still says where it is.
   for (int index = 0; index < size(); ++index) {
     if (!exists(index)) continue;

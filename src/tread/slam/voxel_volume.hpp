@@ -22,7 +22,8 @@ struct VolumeOptions {
   int window_log2 = 7;          // the window is 2^n blocks each way: 10.24 m at 10 mm and n = 7
   int memory_mb = 1024;         // of the blocks at hand; as much again for the archive
   bool archive_on_disk = true;  // in an unnamed file for temporary data; else in memory
-  double keep_radius_m = 0.0;   // archived blocks farther away than this are dropped; 0: none is
+  double shift_m = 0.0;  // the window moves when its middle is off by more; 0: by an eighth of it
+  double keep_radius_m = 0.0;  // archived blocks farther away than this are dropped; 0: none is
   [[nodiscard]] bool operator==(const VolumeOptions&) const = default;
 };
 [[nodiscard]] OptionSet describe(VolumeOptions& options);

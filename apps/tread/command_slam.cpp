@@ -1,0 +1,329 @@
+// tread slam: where the camera was and the surface it saw, from depth images or stereo pairs.
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+
+#include "command.hpp"
+#include "interrupt.hpp"
+#include "slam_report.hpp"
+#include "tread/core/problems.hpp"
+#include "tread/io/image_file.hpp"
+#include "tread/io/mesh_file.hpp"
+#include "tread/io/trajectory_file.hpp"
+#include "tread/pipeline/depth_frames.hpp"
+#include "tread/slam/extract_mesh.hpp"
+
+namespace tread {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct SlamArguments {
+  std::string source, camera, rig, poses, command_line;
+  std::string profile = "general";
+  CommonOptions common;
+};
+
+struct SlamSettings {
+  ImageReading images;
+  StereoOptions stereo;
+  DepthOptions depth{0.3, 200.0};
+  SlamOptions slam;
+  MeshOptions mesh;
+  bool auto_scale = true;
+};
+
+OptionSet describe(SlamSettings& settings) {
+  OptionSet set = describe(settings.slam);
+  set.add_group("images", describe(settings.images));
+  set.add_group("stereo", describe(settings.stereo));
+  set.add_group("depth", describe(settings.depth));
+  set.add_group("mesh", describe(settings.mesh));
+  set.add_automatic("auto_scale", settings.auto_scale,
+                    "with stereo, voxels, range and gates that fit what the rig can see; off where "
+                    "volume.voxel_m is given alone",
+                    "volume.voxel_m");
+  return set;
+}
+
+// KinFu large scale as paper Q used it (PCL): 3 m in 512 voxels, 30 mm, 4, 5 and 10 iterations, 10
+// cm and 20 degrees, one weight for all, depth alone.
+SlamOptions paper_q_slam_options() {
+  SlamOptions o;
+  o.volume.voxel_m = 3.0 / 512.0;
+  o.volume.window_log2 = 6;  // 64 blocks of 8
+  o.volume.shift_m = 1.5;
+  o.window_ahead_m = 1.8;
+  o.integrate.truncation_voxels = 0.03 / o.volume.voxel_m;
+  o.integrate.reference_m = 1000.0;
+  o.integrate.full_weight = 1;
+  o.integrate.most_weight = 128;
+  o.integrate.along_ray = true;
+  o.align.fine_iterations = 10;
+  o.align.middle_iterations = 5;
+  o.align.coarse_iterations = 4;
+  o.align.gate_m = 0.10;
+  o.align.gate_angle_deg = 20.0;
+  o.align.intensity = false;
+  o.turn_first = false;
+  o.integrate.farthest_m = 4.0;
+  return o;
+}
+
+// A stereo rig sees as far as its baseline lets it: a tenth of a per mille of that is no voxel.
+void scale_to_rig(const DepthFrames& frames, const OptionSet& options, SlamSettings& settings) {
+  SlamOptions& slam = settings.slam;
+  if (frames.noise() && !options.given("noise.quadratic_per_m")) slam.noise = *frames.noise();
+  if (!settings.auto_scale || !frames.range_m()) return;
+  const double range = *frames.range_m();
+  slam.volume.voxel_m = std::clamp(range / 400.0, 0.005, 0.2);
+  const auto set = [&](const char* name, double& value, double to) {
+    if (!options.given(name)) value = to;
+  };
+  set("integrate.farthest_m", slam.integrate.farthest_m, range);
+  set("integrate.reference_m", slam.integrate.reference_m, range / 5.0);
+  set("align.gate_m", slam.align.gate_m, std::max(0.1, 10.0 * slam.volume.voxel_m));
+  set("speed_sigma_m_per_s", slam.speed_sigma_m_per_s, std::max(1.0, range / 8.0));
+}
+
+double process_cpu_ms() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto ms = [](const timeval& t) {
+    return 1e3 * static_cast<double>(t.tv_sec) + 1e-3 * static_cast<double>(t.tv_usec);
+  };
+  return ms(usage.ru_utime) + ms(usage.ru_stime);
+}
+
+double peak_memory_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+void track_frames(DepthFrames& frames, DepthSlam& slam, const Context& context,
+                  const CommonOptions& common, SlamRun& run) {
+  Progress progress("tracking", frames.frame_count(), common.json);
+  const int kept = frames.frame_count() / 2;
+  const Interrupt interrupt;
+  const double cpu_before = process_cpu_ms();
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0;; ++i) {
+    progress.show(i);
+    if (Interrupt::requested()) {
+      run.problems.push_back({ErrorCode::kInterrupted,
+                              fmt::format("interrupted after {} frames", i), "slam",
+                              "What was tracked until then is here"});
+      break;
+    }
+    auto frame = frames.next(context);
+    if (!frame) {
+      ++run.frames;
+      run.problems.push_back(frame.error());
+      if (i > 2 * frames.frame_count() + 10) break;  // a source that never ends
+      continue;
+    }
+    if (!*frame) break;
+    ++run.frames;
+    const auto start = std::chrono::steady_clock::now();
+    const auto state =
+        slam.track({(*frame)->stamp_ns, (*frame)->depth, (*frame)->grey, (*frame)->rgb}, context);
+    const std::chrono::duration<double, std::milli> spent =
+        std::chrono::steady_clock::now() - start;
+    run.track_ms += spent.count();
+    if (!state) {
+      Error error = state.error();
+      error.where = (*frame)->name + ": " + error.where;
+      run.problems.push_back(error);
+      continue;
+    }
+    run.states.push_back(*state);
+    if (state->mapped()) {
+      if (!run.trajectory.empty()) {
+        run.path_m +=
+            (state->T_world_camera.translation() - run.trajectory.back().pose.translation()).norm();
+      }
+      run.trajectory.push_back({state->stamp_ns, state->T_world_camera});
+    }
+    if (i <= kept) run.sample = std::move(**frame);
+  }
+  run.wall_ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  run.cpu_ms = process_cpu_ms() - cpu_before;
+}
+
+void compare(const DepthFrames& frames, SlamRun& run) {
+  if (frames.truth().empty() || run.trajectory.size() < 3) return;
+  if (const auto e = absolute_trajectory_error(run.trajectory, frames.truth())) run.absolute = *e;
+  if (const auto e = relative_pose_error(run.trajectory, frames.truth(), 1.0)) run.relative = *e;
+}
+
+void summarise(const SlamRun& run, Output& output) {
+  const auto frames = static_cast<double>(std::max<std::size_t>(run.states.size(), 1));
+  auto& values = output.values;
+  values["frames"] = run.frames;
+  for (const TrackStatus status : {TrackStatus::kTracked, TrackStatus::kHeld,
+                                   TrackStatus::kUnobservable, TrackStatus::kLost}) {
+    values[name_of(status)] = count_of(run, status);
+  }
+  values["path_m"] = run.path_m;
+  values["ms_per_frame"] = run.track_ms / frames;
+  values["cpu_ms_per_frame_with_reading"] = run.cpu_ms / frames;
+  values["peak_memory_mb"] = run.peak_memory_mb;
+  values["triangles"] = run.mesh.triangles.size();
+  if (run.absolute) {
+    values["absolute_error_m"] = run.absolute->rmse_m;
+    values["compared"] = run.absolute->compared;
+  }
+  if (run.relative) values["relative_error_m_per_s"] = run.relative->rmse_m;
+  output.line(fmt::format(
+      "{}: {} tracked, {} held, {} unobservable, {} lost; path {:.2f} m", frames_text(run.frames),
+      count_of(run, TrackStatus::kTracked) + count_of(run, TrackStatus::kFirst),
+      count_of(run, TrackStatus::kHeld), count_of(run, TrackStatus::kUnobservable),
+      count_of(run, TrackStatus::kLost), run.path_m));
+  output.line(fmt::format("{:.1f} ms a frame, {} triangles, {:.0f} MiB", run.track_ms / frames,
+                          run.mesh.triangles.size(), run.peak_memory_mb));
+  if (run.absolute) {
+    output.line(fmt::format(
+        "against the reference: {:.1f} mm rms{}", 1e3 * run.absolute->rmse_m,
+        run.relative ? fmt::format(", {:.1f} mm over a second", 1e3 * run.relative->rmse_m) : ""));
+  }
+}
+
+Status write_results(const SlamArguments& arguments, const SlamOptions& options, const SlamRun& run,
+                     Output& output) {
+  FileSet set(*arguments.common.output);
+  const auto add = [&](const std::string& name, const auto& write) {
+    return add_file(set, name, write);
+  };
+  Status s = add("trajectory.tum",
+                 [&](const fs::path& p) { return write_tum_trajectory(p, run.trajectory); });
+  if (s) s = add("mesh.ply", [&](const fs::path& p) { return write_ply(p, run.mesh); });
+  if (s) {
+    s = add("tracking.csv", [&](const fs::path& p) { return write_file(p, tracking_csv(run)); });
+  }
+  ColourScale scale;
+  const MapPicture way = draw_way(run, scale);
+  if (s && !way.image.empty()) {
+    const Image<Rgb> picture = with_colour_bar(way.image, scale);
+    s = add("picture_path.png", [&](const fs::path& p) { return write_png(p, picture); });
+  }
+  const Report report = slam_report(arguments.command_line, options, run);
+  if (s) s = add("report.html", [&](const fs::path& p) { return report.write(p); });
+  return s ? output.commit(set) : s;
+}
+
+int run_slam(const SlamArguments& arguments) {
+  SlamSettings settings;
+  if (arguments.profile == "paper-q") settings.slam = paper_q_slam_options();
+  OptionSet options = describe(settings);
+  if (Status s = apply_settings(arguments.common, options); !s) return print_error(s.error());
+  if (arguments.common.print_config) {
+    print_config("slam", options);
+    return 0;
+  }
+  DepthFramesOptions reading;
+  reading.rgbd.camera = arguments.camera;
+  reading.rgbd.poses = arguments.poses;
+  reading.stereo_source = {arguments.rig, arguments.poses, settings.images};
+  reading.stereo = settings.stereo;
+  reading.depth = settings.depth;
+  auto frames = DepthFrames::open(arguments.source, reading);
+  if (!frames) return print_error(frames.error());
+  scale_to_rig(*frames, options, settings);
+  if (Status s = check_options(settings.slam); !s) return print_error(s.error());
+  if (Status s = prepare_output(arguments.common); !s) return print_error(s.error());
+
+  SlamRun run;
+  run.source = arguments.source;
+  run.kind = frames->kind();
+  const Context context{arguments.common.threads, &run.timings};
+  Output output(arguments.common.json);
+  output.values["command"] = "slam";
+  output.line(fmt::format("{}: {}", run.kind,
+                          frames_text(static_cast<std::size_t>(frames->frame_count()))));
+  // x ahead, y left, z up, if the first camera is level.
+  Isometry3d first = Isometry3d::Identity();
+  first.linear() = R_body_optical();
+  DepthSlam slam(frames->camera(), settings.slam, first);
+  track_frames(*frames, slam, context, arguments.common, run);
+  const std::vector<Error>& noticed = frames->problems();
+  run.problems.insert(run.problems.begin(), noticed.begin(), noticed.end());
+  if (run.trajectory.empty()) {
+    for (const Error& problem : distinct_problems(run.problems)) print_error(problem);
+    return print_error({ErrorCode::kBadValue,
+                        fmt::format("none of {} could be placed", frames_text(run.frames)),
+                        arguments.source, "Likely there is no depth in them: see tread info"});
+  }
+  run.mesh = extract_mesh(slam.volume(), settings.mesh);
+  run.volume_bytes = slam.volume().bytes();
+  run.refused_blocks = slam.volume().refused();
+  if (run.refused_blocks > 0) {
+    run.problems.push_back({ErrorCode::kTooLarge,
+                            fmt::format("{} blocks of voxels found no room", run.refused_blocks),
+                            "volume.memory_mb", "Give it more, or larger voxels"});
+  }
+  run.peak_memory_mb = peak_memory_mb();
+  compare(*frames, run);
+  summarise(run, output);
+  output.values["timings"] = json_of(run.timings);
+  if (arguments.common.output) {
+    if (Status s = write_results(arguments, settings.slam, run, output); !s) {
+      return print_error(s.error());
+    }
+  }
+  for (const Error& problem : run.problems) {
+    output.values["problems"].push_back(problem.message());
+  }
+  output.print_json();
+  return print_problems(run.problems, run.frames - run.states.size(), run.frames);
+}
+
+}  // namespace
+
+void add_slam_command(CLI::App& app, int& status, const std::string& command_line) {
+  CLI::App* command =
+      app.add_subcommand("slam", "The camera's path and the surface, from depth or stereo images");
+  auto arguments = std::make_shared<SlamArguments>();
+  arguments->command_line = command_line;
+  command
+      ->add_option("SOURCE", arguments->source,
+                   "TUM RGB-D folder, folder of frame-NNNNNN.depth.png (7-Scenes, 3DMatch), or "
+                   "stereo images as for 'tread map'")
+      ->type_name("")
+      ->required();
+  command
+      ->add_option(
+          "--camera", arguments->camera,
+          "Intrinsics of the depth camera, if the folder brings none: a file with fx fy cx "
+          "cy, a 3x3 matrix, ROS camera_info or a rig of ours")
+      ->type_name("FILE");
+  command->add_option("--rig", arguments->rig, "Calibration of a stereo pair, as for 'tread map'")
+      ->type_name("RIG");
+  command
+      ->add_option("--poses", arguments->poses,
+                   "Reference poses to compare with, TUM format; default: those of the folder")
+      ->type_name("FILE");
+  command
+      ->add_option("--profile", arguments->profile,
+                   "Where the options start from: general, or paper-q (KinFu large scale with the "
+                   "numbers of paper Q)")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"general", "paper-q"}).description(""));
+  add_method_option(*command, arguments->common);
+  add_common_options(*command, arguments->common);
+  add_setting_options(*command, arguments->common);
+  command->footer(
+      "Examples:\n"
+      "  tread slam rgbd_dataset_freiburg1_desk -o out/desk\n"
+      "  tread slam seq-01 --set volume.voxel_m=0.005 -o out/kitchen\n"
+      "  tread slam kitti/sequences/07 --method sgm -o out/street\n"
+      "Writes trajectory.tum (frames that were placed), mesh.ply, tracking.csv (what each\n"
+      "frame said of itself), picture_path.png and report.html. Reference poses are only\n"
+      "compared with, never used.");
+  command->callback([arguments, &status] { status = run_slam(*arguments); });
+}
+
+}  // namespace tread
