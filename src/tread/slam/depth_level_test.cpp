@@ -109,7 +109,8 @@ TEST(NormalFinder, NormalsOfPlanesOnEveryInstructionSet) {
         for (int x = 0; x < 65; ++x) {
           const Eigen::Vector3f found(level.normal[0](x, y), level.normal[1](x, y),
                                       level.normal[2](x, y));
-          if (x == 0 || y == 0 || x == 64 || y == 40) EXPECT_TRUE(std::isnan(found.x()));
+          const bool border = x == 0 || y == 0 || x == 64 || y == 40;
+          EXPECT_TRUE(!border || std::isnan(found.x()));
           if (std::isnan(found.x())) continue;
           ++known;
           ASSERT_NEAR((found - normal).norm(), 0.0F, 2e-4F);

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "tread/slam/keyframe_bank.hpp"
 #include "tread/slam/ray_cast.hpp"
 
 namespace tread {
@@ -35,6 +36,11 @@ OptionSet describe(SlamOptions& options) {
   set.add("least_matched", options.least_matched,
           "lost if a smaller part of the frame meets the surface", 0.0, 1.0);
   set.add("largest_rms", options.largest_rms, "lost if residuals are larger, in sigma", 0.1, 1e3);
+  set.add("least_matched_again", options.least_matched_again,
+          "the same after it was lost, to be believed", 0.0, 1.0);
+  set.add("largest_rms_again", options.largest_rms_again, "and of residuals", 0.1, 1e3);
+  set.add("largest_grey_again", options.largest_grey_again,
+          "and of the mean difference of intensities", 0.1, 255.0);
   set.add("key_matched", options.key_matched,
           "a new keyframe if a smaller part of the old one is in view", 0.0, 1.0);
   set.add("key_turn_deg", options.key_turn_deg, "or after a turn of so much, degrees", 0.0, 180.0);
@@ -71,6 +77,9 @@ struct DepthSlam::Impl {
   [[nodiscard]] TrackStatus judge(const Alignment& found, bool has_prior) const;
   void map(const SlamFrame& in, SlamState& state, const Context& context);
   void see_model(const Context& context);
+  void see_model_from(const Isometry3d& T, double band_m, const Context& context);
+  void relocalise(SlamState& state, const Context& context);
+  [[nodiscard]] bool fits_again(const Alignment& found) const;
   void renew_keyframe(SlamState& state);
   void learn_share(const Alignment& found);
 
@@ -92,6 +101,8 @@ struct DepthSlam::Impl {
   Isometry3d T_world_model = Isometry3d::Identity();
   PhotoKeyframe key;
   bool has_key = false;
+  KeyframeBank bank;
+  bool lost = false;             // the frame before
   double intensity_share = 0.2;  // until more is known
   double mean_depth_m = 1.0;
 };
@@ -192,20 +203,65 @@ TrackStatus DepthSlam::Impl::judge(const Alignment& found, bool has_prior) const
   return TrackStatus::kTracked;
 }
 
-// The model as the next frame is compared with it.
-void DepthSlam::Impl::see_model(const Context& context) {
+// The model as a camera at T sees it, at most band_m from the depths at hand.
+void DepthSlam::Impl::see_model_from(const Isometry3d& T, double band_m, const Context& context) {
   model[0].resize(frame.depth[0].camera, half.width, half.height);
-  const double band = std::max(options.align.gate_m, 6.0 * options.volume.voxel_m);
-  ray_cast(volume, T_world, frame.depth[0].depth, band, model[0], context);
+  ray_cast(volume, T, frame.depth[0].depth, band_m, model[0], context);
   const ScopedTimer timer(context, "slam/model_pyramid");
   normals.build_pyramid(options.noise, model, context);
-  T_world_model = T_world;
+  T_world_model = T;
+}
+
+void DepthSlam::Impl::see_model(const Context& context) {
+  see_model_from(T_world, std::max(options.align.gate_m, 6.0 * options.volume.voxel_m), context);
+}
+
+bool DepthSlam::Impl::fits_again(const Alignment& found) const {
+  return found.T_world_camera.matrix().allFinite() && found.measured >= 100 &&
+         static_cast<double>(found.matched) >=
+             options.least_matched_again * static_cast<double>(found.measured) &&
+         found.depth_rms <= options.largest_rms_again && found.observability.all_known() &&
+         2 * found.photo_matched >= found.photo_points &&
+         found.grey_rms <= options.largest_grey_again;
+}
+
+// Lost: the frame is tried at the places that look like it. Depth and image must both fit there.
+void DepthSlam::Impl::relocalise(SlamState& state, const Context& context) {
+  const ScopedTimer timer(context, "slam/relocalise");
+  constexpr std::size_t kCandidates = 4;
+  constexpr double kBandM = 0.5;
+  for (const KeyframeBank::Candidate& candidate : bank.find(frame, kCandidates)) {
+    PosePrior prior;
+    prior.T_world_camera = candidate.T_world_camera;
+    prior.information.setIdentity();  // a metre, a radian
+    AlignOptions wide = options.align;
+    wide.gate_m = kBandM;
+    wide.coarse_iterations = 30;
+    wide.middle_iterations = 10;
+    see_model_from(prior.T_world_camera, kBandM, context);
+    prior.T_world_camera =
+        align(frame, &model, T_world_model, &candidate.key, prior, options.noise, wide, context)
+            .T_world_camera;
+    if (!prior.T_world_camera.matrix().allFinite()) continue;
+    // Once more from there, as strictly as always.
+    see_model_from(prior.T_world_camera, kBandM, context);
+    const Alignment found = align(frame, &model, T_world_model, &candidate.key, prior,
+                                  options.noise, options.align, context);
+    if (!fits_again(found)) continue;
+    state.alignment = found;
+    state.covariance = found.covariance;
+    state.status = TrackStatus::kTracked;
+    state.relocalised = true;
+    T_world = found.T_world_camera;
+    velocity.setZero();
+    return;
+  }
 }
 
 void DepthSlam::Impl::renew_keyframe(SlamState& state) {
   const Alignment& found = state.alignment;
-  if (!frame.has_grey()) return;
-  if (has_key && found.photo_points > 0) {
+  if (!frame.has_grey() || !state.mapped()) return;
+  if (has_key && found.photo_points > 0 && !state.relocalised) {
     const auto share = static_cast<double>(found.photo_matched) /
                        static_cast<double>(std::max<std::int64_t>(found.photo_points, 1));
     const double turn = turn_between(key.T_world_camera, T_world);
@@ -223,6 +279,7 @@ void DepthSlam::Impl::renew_keyframe(SlamState& state) {
                         key.points[level]);
     key.camera[level] = frame.depth[level].camera;
   }
+  bank.add(frame, model[2], T_world);
   key.T_world_camera = T_world;
   has_key = true;
   state.keyframe = true;
@@ -278,6 +335,11 @@ Result<SlamState> DepthSlam::track(const SlamFrame& in, const Context& context) 
               prior, slam.options.noise, options, context);
     slam.learn_share(state.alignment);
     state.status = slam.judge(state.alignment, in.motion.has_value());
+    // What was lost must be found by more than a fair fit.
+    if (slam.lost && state.status != TrackStatus::kLost && slam.frame.has_grey() &&
+        !slam.fits_again(state.alignment)) {
+      state.status = TrackStatus::kLost;
+    }
     state.covariance = state.alignment.covariance;
     if (state.status != TrackStatus::kLost) {
       const double dt = static_cast<double>(in.stamp_ns - slam.stamp_ns) * 1e-9;
@@ -287,7 +349,15 @@ Result<SlamState> DepthSlam::track(const SlamFrame& in, const Context& context) 
       slam.T_world = state.alignment.T_world_camera;
     } else {
       slam.velocity.setZero();
+      const Isometry3d T_model = slam.T_world_model;
+      const auto model = slam.model;
+      slam.relocalise(state, context);
+      if (state.status == TrackStatus::kLost) {  // as it was, for the next frame
+        slam.model = model;
+        slam.T_world_model = T_model;
+      }
     }
+    slam.lost = state.status == TrackStatus::kLost;
   }
   slam.stamp_ns = in.stamp_ns;
   state.T_world_camera = slam.T_world;

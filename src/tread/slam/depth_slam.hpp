@@ -33,9 +33,13 @@ struct SlamOptions {
   double turn_sigma_rad_per_s = 3.0;
   double least_matched = 0.2;  // lost if less of the frame's surface meets the model's
   double largest_rms = 3.0;    // lost if residuals are larger, in their standard deviations
-  double key_matched = 0.75;   // a new keyframe if less of the old one is in view
-  double key_turn_deg = 12.0;  // or after such a turn
-  double key_way = 0.12;       // or after so much way, part of the mean depth
+  // After it was lost, a frame must fit better than that to be believed.
+  double least_matched_again = 0.5;
+  double largest_rms_again = 1.5;
+  double largest_grey_again = 20.0;  // mean difference to the picture of that place
+  double key_matched = 0.75;         // a new keyframe if less of the old one is in view
+  double key_turn_deg = 12.0;        // or after such a turn
+  double key_way = 0.12;             // or after so much way, part of the mean depth
   // Images that are not quite those of the depth camera, or surfaces that shine, pull away from
   // what depth says: intensities weigh less as that is seen, but never less than this part.
   double least_intensity_share = 0.02;
@@ -64,7 +68,8 @@ enum class TrackStatus {
   kTracked,       // six directions told by the frame
   kHeld,          // some only by the motion prior
   kUnobservable,  // some by nothing: the pose is a guess in these, and nothing is fused
-  kLost,          // the frame does not fit the map: the pose is the last known, nothing is fused
+  kLost,          // the frame does not fit the map: the pose is the last known, nothing is fused,
+                  // and each frame is compared with all places seen until one fits
 };
 [[nodiscard]] const char* name_of(TrackStatus status);
 
@@ -76,7 +81,8 @@ struct SlamState {
   Matrix6d covariance = Matrix6d::Identity();
   Alignment alignment;  // how it was found
   bool keyframe = false;
-  int blocks = 0;  // updated by this frame
+  bool relocalised = false;  // found again by what the place looks like
+  int blocks = 0;            // updated by this frame
   [[nodiscard]] bool mapped() const {
     return status == TrackStatus::kFirst || status == TrackStatus::kTracked ||
            status == TrackStatus::kHeld;

@@ -69,6 +69,13 @@ void build_grey_pyramid(ImageView<const std::uint8_t> grey, bool halved,
   }
 }
 
+GreyLevel with_slopes(const Image<float>& intensity) {
+  GreyLevel level;
+  level.intensity = intensity;
+  find_slopes(level, {});
+  return level;
+}
+
 GreyLevel halved(const GreyLevel& level) {
   GreyLevel half;
   halve(level.intensity, half.intensity, {});

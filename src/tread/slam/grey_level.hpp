@@ -23,6 +23,7 @@ struct GreyLevel {
 void build_grey_pyramid(ImageView<const std::uint8_t> grey, bool halved,
                         std::array<GreyLevel, 3>& levels, const Context& context = {});
 
+[[nodiscard]] GreyLevel with_slopes(const Image<float>& intensity);
 // The level that would follow.
 [[nodiscard]] GreyLevel halved(const GreyLevel& level);
 

@@ -1,0 +1,38 @@
+// Small pictures of where the camera has been, to find its way back after it was lost (Klein and
+// Murray 2008: small blurry images).
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "tread/slam/align.hpp"
+
+namespace tread {
+
+class KeyframeBank {
+ public:
+  // A place that looked like the frame at hand.
+  struct Candidate {
+    Isometry3d T_world_camera = Isometry3d::Identity();  // of the frame, by how it is turned
+    double likeness = 0.0;                               // -1 to 1
+    PhotoKeyframe key;                                   // of the place, at the coarsest level only
+  };
+
+  // Keeps a view if none like it was kept from nearby. `depth` is that of the surface.
+  void add(const AlignFrame& frame, const DepthLevel& depth, const Isometry3d& T_world_camera);
+  // Up to `most` places, the likeliest first; none for a frame without an image.
+  [[nodiscard]] std::vector<Candidate> find(const AlignFrame& frame, std::size_t most) const;
+  [[nodiscard]] std::size_t size() const { return views_.size(); }
+
+ private:
+  struct View {
+    Image<float> grey;   // of the coarsest level
+    Image<float> depth;  // the same
+    Pinhole camera;
+    Isometry3d T_world_camera = Isometry3d::Identity();
+    std::vector<float> thumbnail;
+  };
+  std::vector<View> views_;
+};
+
+}  // namespace tread
