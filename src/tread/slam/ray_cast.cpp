@@ -22,20 +22,16 @@ void ray_cast(const VoxelVolume& volume, const Isometry3d& T_world_camera,
   const Pinhole& camera = seen.camera;
   parallel_chunks(context, 0, seeds.height, 8, [&](int first, int last) {
     for (int y = first; y < last; ++y) {
-      const float* seed = seeds.row(y);
-      float* out = seen.depth.row(y);
       const float yn = (static_cast<float>(y) - camera.cy) / camera.fy;
-      for (int x = 0; x < seeds.width; ++x) {
-        if (!(seed[x] > 0.0F)) {
-          out[x] = std::numeric_limits<float>::quiet_NaN();
-          continue;
-        }
-        const float xn = (static_cast<float>(x) - camera.cx) / camera.fx;
-        const Eigen::Vector3f direction = R * Eigen::Vector3f(xn, yn, 1.0F);
-        const Ray ray{{origin.x(), origin.y(), origin.z()},
-                      {direction.x(), direction.y(), direction.z()}};
-        out[x] = cast_ray(view, ray, seed[x], band);
+      const Eigen::Vector3f first_ray = R * Eigen::Vector3f(-camera.cx / camera.fx, yn, 1.0F);
+      const Eigen::Vector3f step = R * Eigen::Vector3f(1.0F / camera.fx, 0.0F, 0.0F);
+      RayRow rays;
+      for (int i = 0; i < 3; ++i) {
+        rays.origin[i] = origin[i];
+        rays.first[i] = first_ray[i];
+        rays.step[i] = step[i];
       }
+      cast_row(view, rays, seeds.row(y), seeds.width, band, seen.depth.row(y));
     }
   });
 }

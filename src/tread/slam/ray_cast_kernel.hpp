@@ -117,4 +117,15 @@ inline float cast_ray(const VolumeView& volume, const Ray& ray, float seed, floa
   return kNan;
 }
 
+// The rays of one row of pixels: of pixel x, direction = first + x * step.
+struct RayRow {
+  float origin[3];
+  float first[3];
+  float step[3];
+};
+// cast_ray for all pixels of a row that have a seed, NaN for the others. Vectorised; differs from
+// cast_ray by rounding, and where that decides.
+void cast_row(const VolumeView& volume, const RayRow& rays, const float* seeds, int width,
+              float band, float* out);
+
 }  // namespace tread

@@ -43,7 +43,7 @@ OptionSet describe(VolumeOptions& options) {
   set.add("voxel_m", options.voxel_m, "side of a voxel, m", 0.001, 1.0);
   set.add("window_log2", options.window_log2, "blocks of 8 voxels along a side of the window: 2^n",
           4, 8);
-  set.add("memory_mb", options.memory_mb, "voxels at hand, and in the archive, MiB", 16, 8192);
+  set.add("memory_mb", options.memory_mb, "voxels at hand, and in the archive, MiB", 16, 4096);
   set.add("archive_on_disk", options.archive_on_disk,
           "what the camera leaves behind is kept in a temporary file, else in memory");
   set.add("shift_m", options.shift_m,
