@@ -13,6 +13,7 @@
 #include "tread/io/map_files.hpp"
 #include "tread/io/mesh_file.hpp"
 #include "tread/io/raster_file.hpp"
+#include "tread/io/rgbd_source.hpp"
 #include "tread/io/rig_file.hpp"
 #include "tread/io/source.hpp"
 
@@ -46,7 +47,32 @@ void describe_rig(const StereoRig& rig, Output& output) {
                           rig.mount->assumed ? " (assumed)" : ""));
 }
 
+Status info_rgbd(const fs::path& path, Output& output) {
+  const auto source = open_rgbd_source(path);
+  if (!source) return forward(source);
+  const RgbdCamera& camera = (*source)->camera();
+  output.values["kind"] = (*source)->kind();
+  output.values["frames"] = (*source)->frame_count();
+  output.values["poses"] = (*source)->has_poses();
+  output.values["camera"] = {{"size_px", {camera.size.width, camera.size.height}},
+                             {"fx_px", camera.pinhole.fx},
+                             {"fy_px", camera.pinhole.fy},
+                             {"cx_px", camera.pinhole.cx},
+                             {"cy_px", camera.pinhole.cy}};
+  output.line(fmt::format("{}: {}, {}", (*source)->kind(),
+                          frames_text(static_cast<std::size_t>((*source)->frame_count())),
+                          (*source)->has_poses() ? "with reference poses" : "without poses"));
+  output.line(fmt::format("depth camera: {}x{} px, f {:.1f} px", camera.size.width,
+                          camera.size.height, camera.pinhole.fx));
+  for (const Error& problem : distinct_problems((*source)->problems())) {
+    output.values["problems"].push_back(problem.message());
+    output.line("  " + problem.message());
+  }
+  return {};
+}
+
 Status info_source(const fs::path& path, const std::string& rig, Output& output) {
+  if (looks_like_rgbd(path)) return info_rgbd(path, output);
   const auto source = open_stereo_source(path, {rig, ""});
   if (!source) return forward(source);
   output.values["kind"] = (*source)->kind();

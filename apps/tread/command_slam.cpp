@@ -249,8 +249,9 @@ int run_slam(const SlamArguments& arguments) {
   first.linear() = R_body_optical();
   DepthSlam slam(frames->camera(), settings.slam, first);
   track_frames(*frames, slam, context, arguments.common, run);
-  const std::vector<Error>& noticed = frames->problems();
-  run.problems.insert(run.problems.begin(), noticed.begin(), noticed.end());
+  const std::vector<Error>& notices = frames->problems();
+  const std::size_t noticed = notices.size();
+  run.problems.insert(run.problems.begin(), notices.begin(), notices.end());
   if (run.trajectory.empty()) {
     for (const Error& problem : distinct_problems(run.problems)) print_error(problem);
     return print_error({ErrorCode::kBadValue,
@@ -265,6 +266,15 @@ int run_slam(const SlamArguments& arguments) {
                             fmt::format("{} blocks of voxels found no room", run.refused_blocks),
                             "volume.memory_mb", "Give it more, or larger voxels"});
   }
+  if (2 * run.trajectory.size() < run.states.size()) {
+    run.problems.push_back(
+        {ErrorCode::kBadValue,
+         fmt::format("only {} of {} could be placed", run.trajectory.size(),
+                     frames_text(run.states.size())),
+         arguments.source,
+         "See tracking.csv and the report (-o DIR): frames too far apart, too little to see, or "
+         "noise.* and the intrinsics do not fit the camera"});
+  }
   run.peak_memory_mb = peak_memory_mb();
   compare(*frames, run);
   summarise(run, output);
@@ -278,7 +288,14 @@ int run_slam(const SlamArguments& arguments) {
     output.values["problems"].push_back(problem.message());
   }
   output.print_json();
-  return print_problems(run.problems, run.frames - run.states.size(), run.frames);
+  // An assumed camera, or a line of a list left out, is said; it is no failure of the work.
+  if (run.problems.size() == noticed) {
+    for (const Error& problem : run.problems) {
+      fmt::print(stderr, "tread: note: {}\n", problem.message());
+    }
+    return 0;
+  }
+  return print_problems(run.problems, run.frames - run.trajectory.size(), run.frames);
 }
 
 }  // namespace
