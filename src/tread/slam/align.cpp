@@ -196,7 +196,8 @@ class Aligner {
     found_.T_world_camera.linear() =
         Eigen::Quaterniond(found_.T_world_camera.linear()).normalized().toRotationMatrix();
     found_.matched = depth_.count;
-    found_.depth_rms = depth_.weight > 0.0 ? std::sqrt(depth_.error / depth_.count) : 0.0;
+    found_.depth_rms =
+        depth_.weight > 0.0 ? std::sqrt(depth_.error / static_cast<double>(depth_.count)) : 0.0;
     const DepthLevel& fine = frame_.depth[0];
     for (int y = 0; y < fine.height(); ++y) {
       const float* n = fine.normal[0].row(y);
