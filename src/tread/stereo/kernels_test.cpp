@@ -255,8 +255,10 @@ TEST(SgmKernel, EqualsThePlainFormOnEveryInstructionSetAndThreadCount) {
 // Costs as large as they get: an image against its negative.
 TEST(SgmKernel, EqualsThePlainFormWhereNothingFits) {
   for (const int range : {5, 16, 33, 65}) {
-    for (const auto& [p1, paths] : std::array<std::pair<int, SgmPaths>, 3>{
+    for (const auto& chosen : std::array<std::pair<int, SgmPaths>, 3>{
              {{20, SgmPaths::kThree}, {49, SgmPaths::kThree}, {49, SgmPaths::kEight}}}) {
+      const int p1 = chosen.first;
+      const SgmPaths paths = chosen.second;
       std::mt19937 random(static_cast<unsigned>(range + p1));
       Image<std::uint8_t> left(200, 40), right(200, 40), left_edges, right_edges;
       for (int y = 0; y < left.height; ++y) {
