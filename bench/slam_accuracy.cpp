@@ -1,9 +1,10 @@
 // How well and how fast depth SLAM tracks: the RGB-D frames of the data folder against their
 // reference poses, and walks over made ground against the truth, with the noise of both kinds of
 // sensor. One set of defaults for all.
-//   drift  error of the last pose, per cent of the path
-//   worst  share of frames that did not know where they were by their own word, per cent
-//   cpu    processor time a frame, one thread, by stage
+//   drift   error of the last pose, per cent of the path
+//   unsure  frames that did not know where they were, by their own word
+//   wrong   frames that thought they knew and were off by more than 5 cm
+//   ms      processor time a frame, one thread, and of its stages
 // Usage: slam_accuracy [--json] [--frames N] [name=value ...]   (options of SlamOptions)
 #include <fmt/format.h>
 

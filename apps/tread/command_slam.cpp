@@ -72,16 +72,18 @@ SlamOptions paper_q_slam_options() {
   return o;
 }
 
-// A stereo rig sees as far as its baseline lets it: a tenth of a per mille of that is no voxel.
+// A stereo rig sees as far as its baseline lets it: a four-hundredth of that is a voxel.
 void scale_to_rig(const DepthFrames& frames, const OptionSet& options, SlamSettings& settings) {
   SlamOptions& slam = settings.slam;
-  if (frames.noise() && !options.given("noise.quadratic_per_m")) slam.noise = *frames.noise();
-  if (!settings.auto_scale || !frames.range_m()) return;
-  const double range = *frames.range_m();
-  slam.volume.voxel_m = std::clamp(range / 400.0, 0.005, 0.2);
+  if (!frames.noise()) return;
   const auto set = [&](const char* name, double& value, double to) {
     if (!options.given(name)) value = to;
   };
+  set("noise.constant_m", slam.noise.constant_m, frames.noise()->constant_m);
+  set("noise.quadratic_per_m", slam.noise.quadratic_per_m, frames.noise()->quadratic_per_m);
+  if (!settings.auto_scale) return;
+  const double range = *frames.range_m();
+  slam.volume.voxel_m = std::clamp(range / 400.0, 0.005, 0.2);
   set("integrate.farthest_m", slam.integrate.farthest_m, range);
   set("integrate.reference_m", slam.integrate.reference_m, range / 5.0);
   set("align.gate_m", slam.align.gate_m, std::max(0.1, 10.0 * slam.volume.voxel_m));
@@ -109,7 +111,6 @@ void track_frames(DepthFrames& frames, DepthSlam& slam, const Context& context,
   const int kept = frames.frame_count() / 2;
   const Interrupt interrupt;
   const double cpu_before = process_cpu_ms();
-  const auto begin = std::chrono::steady_clock::now();
   for (int i = 0;; ++i) {
     progress.show(i);
     if (Interrupt::requested()) {
@@ -149,8 +150,6 @@ void track_frames(DepthFrames& frames, DepthSlam& slam, const Context& context,
     }
     if (i <= kept) run.sample = std::move(**frame);
   }
-  run.wall_ms =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   run.cpu_ms = process_cpu_ms() - cpu_before;
 }
 
@@ -237,7 +236,6 @@ int run_slam(const SlamArguments& arguments) {
   if (Status s = prepare_output(arguments.common); !s) return print_error(s.error());
 
   SlamRun run;
-  run.source = arguments.source;
   run.kind = frames->kind();
   const Context context{arguments.common.threads, &run.timings};
   Output output(arguments.common.json);

@@ -14,13 +14,13 @@
 namespace tread {
 
 struct SlamRun {
-  std::string source, kind;
+  std::string kind;
   std::vector<SlamState> states;  // of the frames that could be read
   Trajectory trajectory;          // of those that were placed
   std::size_t frames = 0;         // also those that could not be read
   std::vector<Error> problems;
   double path_m = 0.0;
-  double wall_ms = 0.0, track_ms = 0.0, cpu_ms = 0.0;  // of all frames; cpu: also reading
+  double track_ms = 0.0, cpu_ms = 0.0;  // of all frames; cpu: also reading
   double peak_memory_mb = 0.0;
   std::size_t volume_bytes = 0;
   std::int64_t refused_blocks = 0;

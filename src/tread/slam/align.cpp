@@ -139,11 +139,12 @@ class Aligner {
       // A twist d of the keyframe's points is the twist -Ad d of the frame.
       const Matrix6d to_key = -se3_adjoint(key_->T_world_camera.inverse() * T_world_model_);
       photo_ = photo.equations;
+      found_.photo_points = key_->points[level].size();
       photo_.H = to_key.transpose() * photo.equations.H * to_key;
       photo_.g = to_key.transpose() * photo.equations.g;
       photo_.cross = to_key.transpose() * photo.equations.cross * to_key;
       const double share = options_.intensity_share;
-      if (level == 0 && with_cross == false) compare(g);
+      if (level == 0 && !with_cross) compare(g);
       H_ += share * photo_.H;
       g += share * photo_.g;
       cross += share * photo_.cross;
@@ -205,7 +206,6 @@ class Aligner {
     }
     if (key_ != nullptr) {
       found_.photo_matched = photo_.count;
-      found_.photo_points = key_->points[0].size();
       found_.grey_rms = grey_sigma_;
     }
     // From axes of the model's camera to those of the frame's.
@@ -239,7 +239,7 @@ class Aligner {
 
 OptionSet describe(AlignOptions& options) {
   OptionSet set;
-  set.add("fine_iterations", options.fine_iterations, "at most, at the finest level", 0, 100);
+  set.add("fine_iterations", options.fine_iterations, "at most, at the finest level", 1, 100);
   set.add("middle_iterations", options.middle_iterations, "at the middle one", 0, 100);
   set.add("coarse_iterations", options.coarse_iterations, "at the coarsest one", 0, 100);
   set.add("gate_m", options.gate_m, "points farther apart are not the same, m", 0.001, 10.0);

@@ -51,11 +51,11 @@ struct Alignment {
   Isometry3d T_world_camera = Isometry3d::Identity();
   Matrix6d covariance = Matrix6d::Identity();  // of a left twist in axes of the camera
   Observability observability;
-  std::int64_t matched = 0;   // pixels of the finest level that met the surface
-  std::int64_t measured = 0;  // pixels of it that have depth and a normal
-  double depth_rms = 0.0;     // of the residuals, in their standard deviations
-  std::int64_t photo_matched = 0;
-  std::int64_t photo_points = 0;
+  std::int64_t matched = 0;        // pixels of the finest level that met the surface
+  std::int64_t measured = 0;       // pixels of it that have depth and a normal
+  double depth_rms = 0.0;          // of the residuals, in their standard deviations
+  std::int64_t photo_matched = 0;  // points of the keyframe that fall into the image
+  std::int64_t photo_points = 0;   // of those it has, at the finest level where it has any
   double grey_rms = 0.0;
   double gain = 1.0, offset = 0.0;
   // Mean square of the difference between what depth and intensity say, in standard deviations: 1

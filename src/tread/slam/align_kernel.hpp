@@ -1,5 +1,4 @@
-// Residuals of aligning a frame, pixel by pixel: written for one pixel (the definition, and what a
-// GPU runs) and vectorised for a row.
+// Residuals of aligning a frame, and their sums: vectorised over the pixels of a row, or points.
 #pragma once
 
 #include <Eigen/Core>

@@ -37,6 +37,25 @@ bool BlockArchive::read_record(std::size_t record, BlockVoxels& voxels) const {
          std::fread(&voxels, sizeof(BlockVoxels), 1, file_.get()) == 1;
 }
 
+// Many at once, since to find them takes a look at all. Of equally far ones those of the lowest
+// place.
+void BlockArchive::drop_farthest(std::size_t count, const BlockPlace& centre) {
+  std::vector<BlockPlace> all = places();
+  const auto rank = [&](const BlockPlace& p) {
+    const auto away = (p - centre).cast<std::int64_t>().squaredNorm();
+    return std::tuple(-away, p.z(), p.y(), p.x());
+  };
+  std::sort(all.begin(), all.end(),
+            [&](const BlockPlace& a, const BlockPlace& b) { return rank(a) < rank(b); });
+  all.resize(std::min(all.size(), count));
+  for (const BlockPlace& place : all) {
+    const auto record = records_.find(place);
+    release(record->second);
+    records_.erase(record);
+    ++dropped_;
+  }
+}
+
 void BlockArchive::put(const BlockPlace& place, const BlockVoxels& voxels,
                        const BlockPlace& centre) {
   if (most_ == 0) {
@@ -44,17 +63,7 @@ void BlockArchive::put(const BlockPlace& place, const BlockVoxels& voxels,
     return;
   }
   if (records_.size() >= most_ && !records_.contains(place)) {
-    // Rare, and told: the farthest goes, of equally far ones that of the lowest place.
-    const auto rank = [&](const BlockPlace& p) {
-      const auto away = (p - centre).cast<std::int64_t>().squaredNorm();
-      return std::tuple(-away, p.z(), p.y(), p.x());
-    };
-    const auto farthest = std::min_element(
-        records_.begin(), records_.end(),
-        [&](const auto& a, const auto& b) { return rank(a.first) < rank(b.first); });
-    release(farthest->second);
-    records_.erase(farthest);
-    ++dropped_;
+    drop_farthest(std::max<std::size_t>(1, most_ / 8), centre);
   }
   std::size_t record = next_;
   if (const auto known = records_.find(place); known != records_.end()) {

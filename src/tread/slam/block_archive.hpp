@@ -35,7 +35,7 @@ class BlockArchive {
   // be had or written, in memory.
   BlockArchive(std::size_t most, bool on_disk);
 
-  // Keeps a block. When all places are taken, the one farthest from `centre` is dropped for it.
+  // Keeps a block. When all places are taken, the eighth farthest from `centre` is dropped for it.
   void put(const BlockPlace& place, const BlockVoxels& voxels, const BlockPlace& centre);
   // Hands a block out and forgets it; false if it is not here, or cannot be read back (dropped).
   [[nodiscard]] bool take(const BlockPlace& place, BlockVoxels& voxels);
@@ -55,6 +55,7 @@ class BlockArchive {
   };
   [[nodiscard]] bool write_record(std::size_t record, const BlockVoxels& voxels);
   [[nodiscard]] bool read_record(std::size_t record, BlockVoxels& voxels) const;
+  void drop_farthest(std::size_t count, const BlockPlace& centre);
   void release(std::size_t record) { free_.push_back(record); }
 
   std::size_t most_;

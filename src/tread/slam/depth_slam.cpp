@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -112,6 +113,16 @@ Status DepthSlam::Impl::check(const SlamFrame& in) const {
     return fail(ErrorCode::kBadArgument, "the depth image is empty", "depth",
                 "Give one with pixels");
   }
+  if (in.motion) {
+    const Matrix6d& c = in.motion->covariance;
+    const bool sound = c.allFinite() && (c - c.transpose()).norm() <= 1e-6 * c.norm() &&
+                       c.ldlt().isPositive() && c.ldlt().vectorD().minCoeff() > 0.0;
+    if (!sound || !is_rigid(in.motion->T_before_now)) {
+      return fail(ErrorCode::kBadValue,
+                  "the motion is not rigid, or its covariance not symmetric and positive", "motion",
+                  "Give variances above zero, however small, or leave the motion out");
+    }
+  }
   const auto differs = [&](const auto& image) {
     return !image.empty() && !same_size(image, in.depth);
   };
@@ -159,6 +170,7 @@ void DepthSlam::Impl::prepare(const SlamFrame& in, const Context& context) {
   DepthLevel& fine = frame.depth[0];
   fine.resize(halved ? camera.halved() : camera, half.width, half.height);
   fine.depth = half;
+  if (const double mean = mean_depth(half); mean > 0.0) mean_depth_m = mean;
   normals.build_pyramid(options.noise, frame.depth, context);
   if (in.grey.empty()) {
     for (GreyLevel& level : frame.grey) level.intensity.resize(0, 0);
@@ -230,7 +242,9 @@ void DepthSlam::Impl::relocalise(SlamState& state, const Context& context) {
   const ScopedTimer timer(context, "slam/relocalise");
   constexpr std::size_t kCandidates = 4;
   constexpr double kBandM = 0.5;
+  constexpr int kLeastPoints = 100;
   for (const KeyframeBank::Candidate& candidate : bank.find(frame, kCandidates)) {
+    if (candidate.key.points[2].size() < kLeastPoints) continue;  // nothing to tell it by
     PosePrior prior;
     prior.T_world_camera = candidate.T_world_camera;
     prior.information.setIdentity();  // a metre, a radian

@@ -265,6 +265,13 @@ TEST(DepthSlam, BadInputIsRefusedOrCountsForNothing) {
   EXPECT_NE(slam.track({200, other}).error().message().find("320 x 240"), std::string::npos);
   const Image<std::uint8_t> small(100, 80);
   EXPECT_EQ(slam.track({200, frame.depth, small}).error().code, ErrorCode::kBadArgument);
+  // A motion that is certain to be nothing at all, or that is none.
+  SlamFrame certain{200, frame.depth};
+  certain.motion = MotionPrior{Isometry3d::Identity(), Matrix6d::Zero()};
+  EXPECT_NE(slam.track(certain).error().message().find("covariance"), std::string::npos);
+  certain.motion->covariance.setIdentity();
+  certain.motion->T_before_now.translation().x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(slam.track(certain).error().code, ErrorCode::kBadValue);
   // Nothing, one value, infinity.
   std::int64_t stamp = 1000;
   for (const float value : {std::numeric_limits<float>::quiet_NaN(), 0.0F, -1.0F, 1e30F,
@@ -283,6 +290,23 @@ TEST(DepthSlam, BadInputIsRefusedOrCountsForNothing) {
   ASSERT_TRUE(again);
   EXPECT_EQ(again->status, TrackStatus::kTracked);
   EXPECT_LT((in_room(0.0).inverse() * again->T_world_camera).translation().norm(), 0.001);
+}
+
+// Images of any size, down to a pixel: some pyramid levels are then empty.
+TEST(DepthSlam, SmallImagesAreNoTrap) {
+  for (int width = 1; width < 24; ++width) {
+    for (const int height : {1, 2, 3, 5, 8, 17}) {
+      DepthSlam slam({20.0, 20.0, width / 2.0, height / 2.0, 0.0});
+      for (int i = 0; i < 3; ++i) {
+        Image<float> depth(width, height, 1.0F + 0.01F * static_cast<float>(i));
+        const Image<std::uint8_t> grey(width, height, static_cast<std::uint8_t>(100 + i));
+        depth(width / 2, height / 2) = 0.0F;
+        const auto state = slam.track({i * kFrameNs, depth, grey});
+        ASSERT_TRUE(state) << width << "x" << height;
+        EXPECT_TRUE(i == 0 || !state->mapped()) << width << "x" << height;
+      }
+    }
+  }
 }
 
 TEST(DepthSlam, FirstFrameWithoutDepthIsNoStart) {

@@ -52,7 +52,7 @@ inline std::size_t worker_bytes(int width, int num_disparities) {
   const auto row = static_cast<std::size_t>(width + 2 * kEdgeColumns + 64);
   const auto padded = static_cast<std::size_t>(padded_range(num_disparities));
   const std::size_t costs = 6 * (4 * row + row + padded + 64) + 8 * padded +
-                            3 * (difference_bytes(width, num_disparities) + 64);
+                            2 * (difference_bytes(width, num_disparities) + 64);
   const std::size_t winners = kSgmPixels * (padded + 2 * 64);
   return std::max({costs, winners, 4 * row, 5 * row}) + 1024;
 }
