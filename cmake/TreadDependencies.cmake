@@ -11,7 +11,8 @@ find_dependency(JPEG)
 find_dependency(PNG)
 find_dependency(TIFF)
 find_dependency(GeoTIFF)
-find_dependency(OpenCVModules COMPONENTS core imgcodecs)
+find_dependency(Ceres)
+find_dependency(OpenCVModules COMPONENTS core imgcodecs imgproc video)
 
 # yaml-cpp 0.7 exports a target without a name space and, on Debian, without its include folder.
 if(TARGET yaml-cpp AND NOT TARGET yaml-cpp::yaml-cpp)

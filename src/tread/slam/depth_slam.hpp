@@ -17,6 +17,7 @@
 #include "tread/geometry/camera.hpp"
 #include "tread/slam/align.hpp"
 #include "tread/slam/integrate.hpp"
+#include "tread/slam/motion_prior.hpp"
 
 namespace tread {
 
@@ -47,12 +48,6 @@ struct SlamOptions {
   [[nodiscard]] bool operator==(const SlamOptions&) const = default;
 };
 [[nodiscard]] OptionSet describe(SlamOptions& options);
-
-// What else is known of the motion since the frame before: from an IMU, wheels or legs.
-struct MotionPrior {
-  Isometry3d T_before_now = Isometry3d::Identity();
-  Matrix6d covariance = Matrix6d::Identity();  // of a left twist in axes of the camera now
-};
 
 struct SlamFrame {
   std::int64_t stamp_ns = 0;

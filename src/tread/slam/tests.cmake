@@ -5,8 +5,10 @@ target_sources(tread_tests PRIVATE
   ${here}/depth_level_test.cpp
   ${here}/depth_slam_test.cpp
   ${here}/extract_mesh_test.cpp
+  ${here}/fit_motion_test.cpp
   ${here}/integrate_test.cpp
   ${here}/observability_test.cpp
   ${here}/ray_cast_test.cpp
+  ${here}/refine_window_test.cpp
   ${here}/voxel_volume_test.cpp
   ${PROJECT_SOURCE_DIR}/bench/rendered_scene.cpp)
