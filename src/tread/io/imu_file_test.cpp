@@ -48,7 +48,7 @@ class ImuFile : public ::testing::Test {
   std::vector<Error> problems_;
 };
 
-// A line that has the time as x of the gyroscope.
+// A sample at rest, but for some turning.
 std::string line(std::int64_t stamp_ns) {
   return std::to_string(stamp_ns) + ",0.1,0.2,0.3,1,2,9.81\n";
 }

@@ -1,7 +1,8 @@
 // EuRoC/ASL folders as a source: samples of the IMU and the truth of the body.
 #include <gtest/gtest.h>
 
-#include <fstream>
+#include <array>
+#include <memory>
 
 #include "file_mutations.hpp"
 #include "rig_samples.hpp"
