@@ -1,6 +1,7 @@
 # Tests of this module, built into tests/tread_tests.
 set(here ${CMAKE_CURRENT_LIST_DIR})
 target_sources(tread_tests PRIVATE
+  ${here}/align_kernel_test.cpp
   ${here}/align_test.cpp
   ${here}/depth_level_test.cpp
   ${here}/depth_slam_test.cpp
