@@ -175,7 +175,8 @@ struct IcpCase {
 TEST(AlignKernel, RowsAreTheSumsOfTheirPixels) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     const IcpCase c(seed);
-    for (const auto& [first, last] : {std::pair(0, c.frame.height()), std::pair(3, 4)}) {
+    for (const auto& range : {std::pair(0, c.frame.height()), std::pair(3, 4)}) {
+      const int first = range.first, last = range.second;
       PlainSums expected;
       int none = 0;
       for (int y = first; y < last; ++y) {
@@ -293,7 +294,8 @@ TEST(AlignKernel, PhotoSumsAreThoseOfTheirPoints) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     PhotoCase c;
     fill(c, seed, 501);
-    for (const auto& [first, last] : {std::pair(0, 501), std::pair(3, 498), std::pair(7, 20)}) {
+    for (const auto& range : {std::pair(0, 501), std::pair(3, 498), std::pair(7, 20)}) {
+      const int first = range.first, last = range.second;
       PlainSums expected;
       PhotoSums more;
       for (int i = first; i < last; ++i) {
