@@ -24,6 +24,7 @@
 #include <utility>
 #include <vector>
 
+#include "arguments.hpp"
 #include "times.hpp"
 #include "tread/plan/a_star.hpp"
 #include "tread/plan/planner.hpp"
@@ -388,18 +389,9 @@ void print_json(const std::vector<Row>& rows, int repetitions) {
 int main(int argc, char** argv) {
   bool json = false;
   int repetitions = 7;
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    if (word == "--json") {
-      json = true;
-    } else if (word == "--repetitions" && i + 1 < argc && std::atoi(argv[i + 1]) > 0) {
-      repetitions = std::atoi(argv[++i]);
-    } else {
-      const bool help = word == "--help" || word == "-h";
-      fmt::print(help ? stdout : stderr, "usage: plan [--json] [--repetitions N]\n");
-      return help ? 0 : 2;
-    }
-  }
+  tread::bench::Arguments arguments("plan");
+  arguments.flag("--json", json).number("--repetitions", repetitions, 1);
+  if (const auto status = arguments.read(argc, argv)) return *status;
   std::vector<Case> cases = {smooth_case(), seen_track_case()};
   for (const char* name : {"Berlin_0_256", "random512-10-5"}) {
     Case read;

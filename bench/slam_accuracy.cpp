@@ -12,6 +12,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "arguments.hpp"
 #include "rendered_scene.hpp"
 #include "stereo_pairs.hpp"
 #include "tread/geometry/trajectory_error.hpp"
@@ -124,23 +125,9 @@ int main(int argc, char** argv) {
   int frames = 150;
   SlamOptions options;
   OptionSet described = describe(options);
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    const std::size_t equals = word.find('=');
-    if (word == "--json") {
-      json = true;
-    } else if (equals != std::string::npos) {
-      if (Status s = described.set(word.substr(0, equals), word.substr(equals + 1)); !s) {
-        fmt::print(stderr, "{}\n", s.error().message());
-        return 2;
-      }
-    } else if (word == "--frames" && i + 1 < argc && std::atoi(argv[i + 1]) > 2) {
-      frames = std::atoi(argv[++i]);
-    } else {
-      fmt::print(stderr, "usage: slam_accuracy [--json] [--frames N] [name=value ...]\n");
-      return 2;
-    }
-  }
+  bench::Arguments arguments("slam_accuracy");
+  arguments.flag("--json", json).number("--frames", frames, 3).options(described);
+  if (const auto status = arguments.read(argc, argv)) return *status;
   nlohmann::ordered_json all = {{"benchmark", "slam_accuracy"}};
   const auto tell = [&](const std::string& sensor, const SequenceResult& r) {
     const auto mean = [&](const char* stage) {

@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "arguments.hpp"
 #include "stereo_pairs.hpp"
 #include "stereo_score.hpp"
 #include "tread/stereo/stereo_matcher.hpp"
@@ -101,26 +102,12 @@ void print_row(const std::string& name, const std::string& method, const Score& 
 }  // namespace
 
 int main(int argc, char** argv) {
-  bool json = false, rivals = true;
+  bool json = false, ours = false;
   StereoOptions options;
   OptionSet described = describe(options);
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    const std::size_t equals = word.find('=');
-    if (word == "--json") {
-      json = true;
-    } else if (word == "--ours") {
-      rivals = false;
-    } else if (equals == std::string::npos) {
-      const bool help = word == "--help" || word == "-h";
-      fmt::print(help ? stdout : stderr,
-                 "usage: stereo_accuracy [--json] [--ours] [name=value ...]\n");
-      return help ? 0 : 2;
-    } else if (Status s = described.set(word.substr(0, equals), word.substr(equals + 1)); !s) {
-      fmt::print(stderr, "{}\n", s.error().message());
-      return 2;
-    }
-  }
+  bench::Arguments arguments("stereo_accuracy");
+  arguments.flag("--json", json).flag("--ours", ours).options(described);
+  if (const auto status = arguments.read(argc, argv)) return *status;
   const auto pairs = bench::load_stereo_pairs(bench::data_folder());
   if (!pairs) {
     fmt::print(stderr, "{}\n", pairs.error().message());
@@ -139,7 +126,7 @@ int main(int argc, char** argv) {
       {"SGBM",
        [](const StereoPair& p) { return match_opencv_sgbm(p, cv::StereoSGBM::MODE_SGBM); }}};
 
-  if (!rivals) methods.resize(2);
+  if (ours) methods.resize(2);
   nlohmann::ordered_json result = {{"benchmark", "stereo_accuracy"}};
   std::map<std::string, std::map<std::string, std::vector<Score>>> by_set;
   std::vector<std::string> sets;

@@ -21,6 +21,7 @@
 #include <x86intrin.h>
 #endif
 
+#include "arguments.hpp"
 #include "stereo_pairs.hpp"
 #include "tread/stereo/stereo_matcher.hpp"
 
@@ -125,29 +126,17 @@ void measure(std::vector<Method>& methods, int turns) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  bool json = false, rivals = true;
+  bool json = false, ours = false;
   int turns = 30;
   StereoOptions options;
   OptionSet described = describe(options);
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    const std::size_t equals = word.find('=');
-    if (word == "--json") {
-      json = true;
-    } else if (word == "--ours") {
-      rivals = false;
-    } else if (equals != std::string::npos) {
-      if (Status s = described.set(word.substr(0, equals), word.substr(equals + 1)); !s) {
-        fmt::print(stderr, "{}\n", s.error().message());
-        return 2;
-      }
-    } else if (word == "--turns" && i + 1 < argc && std::atoi(argv[i + 1]) > 0) {
-      turns = std::atoi(argv[++i]);
-    } else {
-      fmt::print(stderr, "usage: stereo_speed [--json] [--turns N] [--ours] [name=value ...]\n");
-      return 2;
-    }
-  }
+  bench::Arguments arguments("stereo_speed");
+  arguments.flag("--json", json)
+      .flag("--ours", ours)
+      .number("--turns", turns, 1)
+      .options(described);
+  if (const auto status = arguments.read(argc, argv)) return *status;
+  const bool rivals = !ours;
   const auto pairs = bench::load_stereo_pairs(bench::data_folder());
   if (!pairs) {
     fmt::print(stderr, "{}\n", pairs.error().message());

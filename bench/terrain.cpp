@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "arguments.hpp"
 #include "times.hpp"
 #include "tread/geometry/stereo_rig.hpp"
 #include "tread/stereo/depth.hpp"
@@ -50,16 +51,9 @@ Image<float> render_depth(const RectifiedRig& rig, const Isometry3d& T_world_cam
 
 int main(int argc, char** argv) {
   bool json = false;
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    const bool help = word == "--help" || word == "-h";
-    if (word == "--json") {
-      json = true;
-    } else {
-      fmt::print(help ? stdout : stderr, "usage: terrain [--json]\n");
-      return help ? 0 : 2;
-    }
-  }
+  bench::Arguments arguments("terrain");
+  arguments.flag("--json", json);
+  if (const auto status = arguments.read(argc, argv)) return *status;
   const RectifiedRig rig = *rectified_rig(bumblebee2(640));
   const CameraMount mount = level_mount(1.0, 0.35, true);
 

@@ -36,6 +36,18 @@ mount:
   assumed: true
 )";
 
+// May follow each of our own.
+inline const std::string kOwnImu = R"(imu:
+  T_imu_left:
+    translation_m: [-0.02, -0.06, 0.01]
+    rpy_deg: [0, 0, 90]
+  gyro_noise: 1.7e-4
+  accel_noise: 2.0e-3
+  gyro_walk: 2.0e-5
+  accel_walk: 3.0e-3
+  rate_hz: 400
+)";
+
 inline const std::string kOwnRectifiedRig = R"(tread_rig: 1
 size: [640, 480]
 rectified: true
@@ -130,6 +142,15 @@ cam1:
   rostopic: /cam1/image_raw
 )";
 
+// What Kalibr adds to cam0 when it has calibrated the IMU too: a quarter turn about z.
+inline const std::string kKalibrImu = R"(  T_cam_imu:
+  - [0.0, 1.0, 0.0, 0.1]
+  - [-1.0, 0.0, 0.0, 0.2]
+  - [0.0, 0.0, 1.0, 0.3]
+  - [0.0, 0.0, 0.0, 1.0]
+  timeshift_cam_imu: 0.001
+)";
+
 // The calibration of the EuRoC data set.
 inline const std::string kEurocLeft = R"(# General sensor definitions.
 sensor_type: camera
@@ -164,6 +185,23 @@ camera_model: pinhole
 intrinsics: [457.587, 456.134, 379.999, 255.238]
 distortion_model: radial-tangential
 distortion_coefficients: [-0.28368365, 0.07451284, -0.00010473, -3.55590700e-05]
+)";
+
+inline const std::string kEurocImu = R"(#Default imu sensor yaml file
+sensor_type: imu
+comment: VI-Sensor IMU (ADIS16448)
+T_BS:
+  cols: 4
+  rows: 4
+  data: [1.0, 0.0, 0.0, 0.0,
+         0.0, 1.0, 0.0, 0.0,
+         0.0, 0.0, 1.0, 0.0,
+         0.0, 0.0, 0.0, 1.0]
+rate_hz: 200
+gyroscope_noise_density: 1.6968e-04     # [ rad / s / sqrt(Hz) ]
+gyroscope_random_walk: 1.9393e-05       # [ rad / s^2 / sqrt(Hz) ]
+accelerometer_noise_density: 2.0000e-3  # [ m / s^2 / sqrt(Hz) ]
+accelerometer_random_walk: 3.0000e-3    # [ m / s^3 / sqrt(Hz) ]
 )";
 
 // Turned by 0.02 rad about z (left) and y (right).

@@ -22,6 +22,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
+void describe_imu(const Imu& imu, Output& output) {
+  output.values["rig"]["imu"] = {{"rate_hz", imu.rate_hz},
+                                 {"gyro_noise", imu.gyro_noise},
+                                 {"accel_noise", imu.accel_noise},
+                                 {"gyro_walk", imu.gyro_walk},
+                                 {"accel_walk", imu.accel_walk}};
+  output.line(fmt::format(
+      "  IMU: {:g} Hz, noise {:.2g} rad/s/sqrt(Hz) and {:.2g} m/s^2/sqrt(Hz), random walk {:.2g} "
+      "rad/s^2/sqrt(Hz) and {:.2g} m/s^3/sqrt(Hz)",
+      imu.rate_hz, imu.gyro_noise, imu.accel_noise, imu.gyro_walk, imu.accel_walk));
+}
+
 void describe_rig(const StereoRig& rig, Output& output) {
   const PinholeCamera left = pinhole_of(rig.left);
   const double baseline = rig.T_left_right.translation().norm();
@@ -40,6 +52,7 @@ void describe_rig(const StereoRig& rig, Output& output) {
     output.values["rig"]["quarter_pixel_m"][fmt::format("{:g}", z)] = step;
     output.line(fmt::format("  a quarter pixel at {:g} m is {:.1f} mm", z, 1000.0 * step));
   }
+  if (rig.imu) describe_imu(*rig.imu, output);
   if (!rig.mount) return;
   const double height = rig.mount->T_body_left.translation().z();
   output.values["rig"]["mount"] = {{"height_m", height}, {"assumed", rig.mount->assumed}};
@@ -78,9 +91,11 @@ Status info_source(const fs::path& path, const std::string& rig, Output& output)
   output.values["kind"] = (*source)->kind();
   output.values["frames"] = (*source)->frame_count();
   output.values["poses"] = (*source)->has_poses();
-  output.line(fmt::format("{}: {}, {}", (*source)->kind(),
+  output.values["imu"] = (*source)->has_imu();
+  output.line(fmt::format("{}: {}, {}{}", (*source)->kind(),
                           frames_text(static_cast<std::size_t>((*source)->frame_count())),
-                          (*source)->has_poses() ? "with poses" : "without poses"));
+                          (*source)->has_poses() ? "with poses" : "without poses",
+                          (*source)->has_imu() ? ", with samples of an IMU" : ""));
   describe_rig((*source)->rig(), output);
   for (const Error& problem : distinct_problems((*source)->problems())) {
     output.values["problems"].push_back(problem.message());

@@ -56,6 +56,31 @@ TEST(TreadInfo, KnowsEveryKind) {
   expect_refused("info " + (out / "p.csv").string(), {"p.csv:3", "3;4"});
 }
 
+TEST(TreadInfo, TellsOfTheImuOfADrive) {
+  const ScratchFolder scratch;
+  const fs::path folder = copy_of_drive(scratch);
+  EXPECT_EQ(tread("info --json " + folder.string()).json()["imu"], false);
+  EXPECT_EQ(tread("info " + folder.string()).out.find("IMU"), std::string::npos);
+  StereoRig rig = small_rig();
+  rig.imu.emplace().rate_hz = 250.0;
+  rig.imu->gyro_noise = 1.7e-4;
+  ASSERT_TRUE(write_rig(folder / "rig.yaml", rig));
+  const Ran calibrated = tread("info " + folder.string());
+  EXPECT_NE(calibrated.out.find("IMU: 250 Hz, noise 0.00017 rad/s"), std::string::npos)
+      << calibrated.out;
+  EXPECT_EQ(calibrated.out.find("with samples of an IMU"), std::string::npos) << calibrated.out;
+  fs::create_directory(folder / "imu0");
+  ASSERT_TRUE(write_file(folder / "imu0/data.csv", "#\n0,0,0,0,0,0,9.8\n4000000,0,0,0,0,0,9.8\n"));
+  const Ran ran = tread("info " + folder.string());
+  EXPECT_NE(ran.out.find("with poses, with samples of an IMU"), std::string::npos) << ran.out;
+  const auto json = tread("info --json " + folder.string()).json();
+  EXPECT_EQ(json["imu"], true);
+  EXPECT_EQ(json["rig"]["imu"]["rate_hz"], 250.0);
+  EXPECT_EQ(json["rig"]["imu"]["gyro_noise"], 1.7e-4);
+  EXPECT_EQ(tread("info --json " + (folder / "rig.yaml").string()).json()["rig"]["imu"]["rate_hz"],
+            250.0);
+}
+
 TEST(TreadInfo, TellsUnitsWhereThereAreAnyAndNoRangeWhereNothingIsKnown) {
   const ScratchFolder out;
   MapLayers map;

@@ -1,7 +1,10 @@
 #include "tread/geometry/stereo_rig.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "tread/core/shrink.hpp"
 
@@ -36,6 +39,24 @@ Status check_size(const ImageSize& size) {
               "image size " + std::to_string(size.width) + " x " + std::to_string(size.height) +
                   " is not one of a camera",
               "size", "Write width and height in pixels, at most 16384 each and 2^26 in all");
+}
+
+Status check_imu(const Imu& imu) {
+  if (!is_rigid(imu.T_imu_left)) {
+    return fail(ErrorCode::kBadValue, "the place of the IMU is not a rigid motion",
+                "imu.T_imu_left", "Write an orthonormal right-handed rotation and finite metres");
+  }
+  const std::pair<const char*, double> above_zero[] = {{"imu.gyro_noise", imu.gyro_noise},
+                                                       {"imu.accel_noise", imu.accel_noise},
+                                                       {"imu.gyro_walk", imu.gyro_walk},
+                                                       {"imu.accel_walk", imu.accel_walk},
+                                                       {"imu.rate_hz", imu.rate_hz}};
+  for (const auto& [name, value] : above_zero) {
+    if (value > 0.0 && std::isfinite(value)) continue;
+    return fail(ErrorCode::kBadValue, fmt::format("{} is not a number above 0", value), name,
+                "Take it from the calibration or the data sheet of the IMU");
+  }
+  return {};
 }
 
 }  // namespace
@@ -78,7 +99,7 @@ Status check_rig(const StereoRig& rig) {
     return fail(ErrorCode::kBadValue, "the mount of the camera is not a rigid motion", "mount",
                 "Write an orthonormal right-handed rotation and finite metres");
   }
-  return {};
+  return rig.imu ? check_imu(*rig.imu) : Status{};
 }
 
 Result<RectifiedRig> rectified_rig(const StereoRig& rig) {

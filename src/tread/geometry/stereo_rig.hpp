@@ -16,7 +16,18 @@ struct CameraMount {
   bool assumed = false;                             // nobody measured it: results say so
 };
 
-// Two calibrated cameras as they are, before rectification.
+// An inertial measurement unit fixed to the cameras. The noise is that of a calibration or a data
+// sheet (Allan deviation); the defaults are twice that of EuRoC's ADIS16448, an ordinary MEMS IMU.
+struct Imu {
+  Isometry3d T_imu_left = Isometry3d::Identity();  // left optical axes into the IMU's, metres
+  double gyro_noise = 3.4e-4;                      // white noise, rad/s/sqrt(Hz)
+  double accel_noise = 4e-3;                       // white noise, m/s^2/sqrt(Hz)
+  double gyro_walk = 3.9e-5;                       // random walk of the bias, rad/s^2/sqrt(Hz)
+  double accel_walk = 6e-3;                        // random walk of the bias, m/s^3/sqrt(Hz)
+  double rate_hz = 200.0;                          // samples a second
+};
+
+// Two calibrated cameras as they are, before rectification, and perhaps an IMU.
 struct StereoRig {
   std::string name;
   ImageSize size;
@@ -25,6 +36,7 @@ struct StereoRig {
   Isometry3d T_left_right = Isometry3d::Identity();  // right optical axes into left, metres
   bool rectified = false;  // the images come rectified: rows correspond, no distortion
   std::optional<CameraMount> mount;
+  std::optional<Imu> imu;
 };
 
 // A rectified pair: both image planes are one plane, a point is on the same row v in both, and
@@ -51,7 +63,7 @@ struct RectifiedRig {
   [[nodiscard]] Eigen::Vector3d pixel_and_disparity(const Eigen::Vector3d& p) const;
 };
 
-// Sizes, camera parameters, baseline above zero, a rigid T_left_right.
+// Sizes, camera parameters, baseline above zero, rigid poses, noise and rate of the IMU above zero.
 [[nodiscard]] Status check_rig(const StereoRig& rig);
 
 // The rectified rig of a rig whose images come rectified; an error if its cameras contradict that

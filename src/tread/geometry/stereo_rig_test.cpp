@@ -247,6 +247,22 @@ TEST(StereoRig, CheckNamesWhatIsUnsound) {
               rig.mount->T_body_left.linear() *= 2.0;
             }),
             "mount");
+  StereoRig with_imu = good;
+  with_imu.imu.emplace();
+  EXPECT_TRUE(check_rig(with_imu)) << "the defaults are those of a sensor";
+  const auto where_in_imu = [&where](const auto& spoil) {
+    return where([&spoil](StereoRig& rig) { spoil(rig.imu.emplace()); });
+  };
+  EXPECT_EQ(where_in_imu([](Imu& imu) { imu.T_imu_left.linear() *= 2.0; }), "imu.T_imu_left");
+  EXPECT_EQ(where_in_imu([](Imu& imu) { imu.T_imu_left.translation().y() = kInfinity; }),
+            "imu.T_imu_left");
+  for (const double bad : {0.0, -1.0, kInfinity, std::nan("")}) {
+    EXPECT_EQ(where_in_imu([bad](Imu& imu) { imu.gyro_noise = bad; }), "imu.gyro_noise");
+    EXPECT_EQ(where_in_imu([bad](Imu& imu) { imu.accel_noise = bad; }), "imu.accel_noise");
+    EXPECT_EQ(where_in_imu([bad](Imu& imu) { imu.gyro_walk = bad; }), "imu.gyro_walk");
+    EXPECT_EQ(where_in_imu([bad](Imu& imu) { imu.accel_walk = bad; }), "imu.accel_walk");
+    EXPECT_EQ(where_in_imu([bad](Imu& imu) { imu.rate_hz = bad; }), "imu.rate_hz");
+  }
 }
 
 TEST(StereoRig, ARigThatComesRectifiedMustLookLikeIt) {
@@ -303,6 +319,17 @@ TEST(ShrunkRig, SeesTheSameDepths) {
   EXPECT_NEAR(small->depth_m(10.0), large->depth_m(20.0), 1e-9);
   // The corner of four pixels is a pixel's centre afterwards.
   EXPECT_LT((small->point(100, 50, 2.0) - large->point(200.5, 100.5, 2.0)).norm(), 1e-9);
+}
+
+TEST(ShrunkRig, KeepsTheImu) {
+  StereoRig rig = bumblebee2(640);
+  EXPECT_FALSE(shrunk(rig, 2).imu);
+  rig.imu.emplace().rate_hz = 500.0;
+  rig.imu->T_imu_left.translation() = Vector3d(0.1, 0.2, 0.3);
+  const StereoRig small = shrunk(rig, 2);
+  ASSERT_TRUE(small.imu);
+  EXPECT_EQ(small.imu->rate_hz, 500.0);
+  EXPECT_EQ(small.imu->T_imu_left.matrix(), rig.imu->T_imu_left.matrix());
 }
 
 }  // namespace

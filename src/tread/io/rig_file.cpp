@@ -62,6 +62,20 @@ Result<StereoRig> read_one_file(const fs::path& path, ImageSize size) {
   return fail(ErrorCode::kBadFormat, "not a rig file that is known here", file, kKnownFormats);
 }
 
+// The IMU of imu0/sensor.yaml, if that stands beside the folder cam0 of the left camera.
+Status add_euroc_imu(const Field& left, const fs::path& left_folder, StereoRig& rig) {
+  const fs::path path = left_folder.parent_path() / "imu0" / "sensor.yaml";
+  if (left_folder.filename() != "cam0" || !is_there(path)) return {};
+  const auto document = load(path);
+  if (!document) return forward(document);
+  const auto T_body_left = internal::read_euroc_place(left);
+  if (!T_body_left) return forward(T_body_left);
+  const auto imu = internal::read_euroc_imu(document->field(), *T_body_left);
+  if (!imu) return forward(imu);
+  rig.imu = *imu;
+  return {};
+}
+
 Result<StereoRig> read_pair(const fs::path& first_path, const fs::path& second_path,
                             ImageSize size) {
   const auto first = load(first_path);
@@ -69,7 +83,14 @@ Result<StereoRig> read_pair(const fs::path& first_path, const fs::path& second_p
   const auto second = load(second_path);
   if (!second) return forward(second);
   const Field left = first->field(), right = second->field();
-  if (internal::is_euroc_sensor(left)) return internal::read_euroc_rig(left, right);
+  if (internal::is_euroc_sensor(left)) {
+    Result<StereoRig> rig = internal::read_euroc_rig(left, right);
+    if (!rig) return rig;
+    if (Status done = add_euroc_imu(left, first_path.parent_path(), *rig); !done) {
+      return forward(done);
+    }
+    return rig;
+  }
   if (internal::is_opencv_intrinsics(left)) return internal::read_opencv_rig(left, right, size);
   if (internal::is_camera_info(left)) return internal::read_camera_info_rig(left, right);
   return fail(ErrorCode::kBadFormat, "not the calibration of a camera that is known here",

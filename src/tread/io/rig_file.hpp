@@ -39,6 +39,13 @@
 //     pitch_deg: 55                # down; or pitch_rad
 //     assumed: true                # optional: nobody measured it
 //     # in place of height_m and pitch: T_body_left: {translation_m: ..., rotation: ...}
+//   imu:                           # optional: an inertial measurement unit fixed to the cameras
+//     T_imu_left: {translation_m: [-0.02, -0.06, 0.01], rpy_deg: [0, 0, 90]}
+//     gyro_noise: 3.4e-4           # optional: rad/s/sqrt(Hz); defaults of a usual MEMS IMU
+//     accel_noise: 4.0e-3          # optional: m/s^2/sqrt(Hz)
+//     gyro_walk: 3.9e-5            # optional: rad/s^2/sqrt(Hz)
+//     accel_walk: 6.0e-3           # optional: m/s^3/sqrt(Hz)
+//     rate_hz: 200                 # optional
 #pragma once
 
 #include <filesystem>
@@ -53,8 +60,10 @@ namespace tread {
 //   our rig YAML (key "tread_rig: 1")
 //   OpenCV YAML or XML with M1 D1 M2 D2 R T (or K1, cameraMatrix1 and distCoeffs1 ...); T in metres
 //   KITTI calib.txt (P0 P1, or P2 P3; with or without the names, or raw style P_rect_00)
-//   Kalibr camchain YAML (cam0, cam1 with T_cn_cnm1), models pinhole-radtan and pinhole-equi
-//   a folder with cam0/sensor.yaml and cam1/sensor.yaml (EuRoC/ASL; also its mav0 parent)
+//   Kalibr camchain YAML (cam0, cam1 with T_cn_cnm1), models pinhole-radtan and pinhole-equi; an
+//     IMU with the default noise if cam0 has T_cam_imu (timeshift_cam_imu is not used)
+//   a folder with cam0/sensor.yaml and cam1/sensor.yaml (EuRoC/ASL; also its mav0 parent), and an
+//     IMU if imu0/sensor.yaml is beside them
 //   a folder with left.yaml and right.yaml (ROS camera_info)
 //   a folder with intrinsics.yml and extrinsics.yml (OpenCV's calibration sample)
 //   "left.yaml,right.yaml", any of these pairs

@@ -25,10 +25,12 @@ struct Sample {
 
 std::vector<Sample> samples() {
   return {{"own", kOwnRig, ""},
+          {"own with IMU", kOwnRig + kOwnImu, ""},
           {"own rectified", kOwnRectifiedRig, ""},
           {"OpenCV YAML", kOpenCvYaml, ""},
           {"OpenCV XML", kOpenCvXml, ""},
           {"Kalibr", kKalibr, ""},
+          {"Kalibr with IMU", changed(kKalibr, "cam1:\n", kKalibrImu + "cam1:\n"), ""},
           {"KITTI", kKittiOdometry, ""},
           {"KITTI bare", kKittiBare, ""},
           {"KITTI raw", kKittiRaw, ""},

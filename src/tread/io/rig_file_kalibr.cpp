@@ -1,9 +1,10 @@
 // Kalibr's camchain and EuRoC's (ASL's) sensor.yaml: close relatives, one made with the other.
-//   Kalibr: camN.T_cn_cnm1 maps points of camera N-1 into camera N.
+//   Kalibr: camN.T_cn_cnm1 maps points of camera N-1 into camera N, T_cam_imu those of the IMU.
 //   EuRoC:  T_BS maps points of the sensor into the body, whose frame there is the IMU's.
 #include <fmt/format.h>
 
 #include <set>
+#include <utility>
 
 #include "tread/io/rig_formats.hpp"
 #include "tread/io/text.hpp"
@@ -97,17 +98,53 @@ Result<StereoRig> read_kalibr_rig(const Field& root) {
   const auto T_right_left = transform_at(*right, "T_cn_cnm1");
   if (!T_right_left) return forward(T_right_left);
   rig->T_left_right = T_right_left->inverse();
+  if (left->find("T_cam_imu")) {
+    const auto T_left_imu = transform_at(*left, "T_cam_imu");
+    if (!T_left_imu) return forward(T_left_imu);
+    rig->imu.emplace().T_imu_left = T_left_imu->inverse();  // its noise is in another file
+  }
   return rig;
 }
 
 Result<StereoRig> read_euroc_rig(const Field& left, const Field& right) {
   Result<StereoRig> rig = read_pair(left, right, "distortion_coefficients");
   if (!rig) return rig;
-  const auto T_imu_left = transform_at(left, "T_BS"), T_imu_right = transform_at(right, "T_BS");
-  if (!T_imu_left) return forward(T_imu_left);
-  if (!T_imu_right) return forward(T_imu_right);
-  rig->T_left_right = T_imu_left->inverse() * *T_imu_right;
+  const auto T_body_left = read_euroc_place(left), T_body_right = read_euroc_place(right);
+  if (!T_body_left) return forward(T_body_left);
+  if (!T_body_right) return forward(T_body_right);
+  rig->T_left_right = T_body_left->inverse() * *T_body_right;
   return rig;
+}
+
+Result<Isometry3d> read_euroc_place(const Field& sensor) {
+  return transform_at(sensor, "T_BS");
+}
+
+Result<Imu> read_euroc_imu(const Field& root, const Isometry3d& T_body_left) {
+  const Result<Field> type = root.at("sensor_type");
+  if (!type) return forward(type);
+  const Result<std::string> name = type->text();
+  if (!name) return forward(name);
+  if (*name != "imu") {
+    return type->error(ErrorCode::kBadValue, fmt::format("{} is no IMU", in_quotes(*name)),
+                       "Write 'sensor_type: imu', or move the file away");
+  }
+  const auto T_body_imu = read_euroc_place(root);
+  if (!T_body_imu) return forward(T_body_imu);
+  Imu imu;
+  imu.T_imu_left = T_body_imu->inverse() * T_body_left;
+  for (const auto& [key, value] : {std::pair("gyroscope_noise_density", &imu.gyro_noise),
+                                   std::pair("gyroscope_random_walk", &imu.gyro_walk),
+                                   std::pair("accelerometer_noise_density", &imu.accel_noise),
+                                   std::pair("accelerometer_random_walk", &imu.accel_walk),
+                                   std::pair("rate_hz", &imu.rate_hz)}) {
+    const Result<Field> field = root.at(key);
+    if (!field) return forward(field);
+    const Result<double> number = field->number();
+    if (!number) return forward(number);
+    *value = *number;
+  }
+  return imu;
 }
 
 }  // namespace tread::internal

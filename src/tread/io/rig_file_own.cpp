@@ -186,6 +186,25 @@ Result<CameraMount> read_mount(const Field& map) {
   return level_mount(height_m, radians ? pitch : pitch * kDegree, assumed);
 }
 
+Result<Imu> read_imu_section(const Field& map) {
+  Status done = map.allow_only(
+      {"T_imu_left", "gyro_noise", "accel_noise", "gyro_walk", "accel_walk", "rate_hz"});
+  if (!done) return forward(done);
+  const Result<Field> pose = map.at("T_imu_left");
+  if (!pose) return forward(pose);
+  const auto T = read_pose(*pose);
+  if (!T) return forward(T);
+  Imu imu;
+  imu.T_imu_left = *T;
+  for (const auto& [name, value] :
+       {std::pair("gyro_noise", &imu.gyro_noise), std::pair("accel_noise", &imu.accel_noise),
+        std::pair("gyro_walk", &imu.gyro_walk), std::pair("accel_walk", &imu.accel_walk),
+        std::pair("rate_hz", &imu.rate_hz)}) {
+    if (done = read_optional(map, name, *value); !done) return forward(done);
+  }
+  return imu;
+}
+
 Result<Isometry3d> read_T_left_right(const Field& root, bool rectified) {
   const auto baseline = root.find("baseline_m"), pose = root.find("T_left_right");
   if (baseline && pose) {
@@ -288,6 +307,14 @@ std::string print_rig(const StereoRig& rig) {
     text += "mount:\n  T_body_left:\n" + print_pose(rig.mount->T_body_left, "    ") +
             fmt::format("  assumed: {}\n", rig.mount->assumed);
   }
+  if (rig.imu) {
+    text += "imu:\n  T_imu_left:\n" + print_pose(rig.imu->T_imu_left, "    ") +
+            fmt::format(
+                "  gyro_noise: {}\n  accel_noise: {}\n  gyro_walk: {}\n  accel_walk: {}\n"
+                "  rate_hz: {}\n",
+                rig.imu->gyro_noise, rig.imu->accel_noise, rig.imu->gyro_walk, rig.imu->accel_walk,
+                rig.imu->rate_hz);
+  }
   return text;
 }
 
@@ -300,7 +327,7 @@ bool is_own(const Field& root) {
 Result<StereoRig> read_own_rig(const Field& root) {
   if (Status done = check_version(root); !done) return forward(done);
   Status done = root.allow_only({"tread_rig", "name", "size", "rectified", "left", "right",
-                                 "T_left_right", "baseline_m", "mount"});
+                                 "T_left_right", "baseline_m", "mount", "imu"});
   if (!done) return forward(done);
   StereoRig rig;
   if (const auto field = root.find("name")) {
@@ -330,6 +357,11 @@ Result<StereoRig> read_own_rig(const Field& root) {
     const auto mount = read_mount(*field);
     if (!mount) return forward(mount);
     rig.mount = *mount;
+  }
+  if (const auto field = root.find("imu")) {
+    const auto imu = read_imu_section(*field);
+    if (!imu) return forward(imu);
+    rig.imu = *imu;
   }
   return rig;
 }

@@ -49,6 +49,17 @@ void expect_equal(const StereoRig& a, const StereoRig& b) {
   EXPECT_EQ(a.mount->assumed, b.mount->assumed);
 }
 
+void expect_equal_imus(const StereoRig& a, const StereoRig& b) {
+  ASSERT_EQ(a.imu.has_value(), b.imu.has_value());
+  if (!a.imu) return;
+  EXPECT_EQ(a.imu->T_imu_left.matrix(), b.imu->T_imu_left.matrix());
+  EXPECT_EQ(a.imu->gyro_noise, b.imu->gyro_noise);
+  EXPECT_EQ(a.imu->accel_noise, b.imu->accel_noise);
+  EXPECT_EQ(a.imu->gyro_walk, b.imu->gyro_walk);
+  EXPECT_EQ(a.imu->accel_walk, b.imu->accel_walk);
+  EXPECT_EQ(a.imu->rate_hz, b.imu->rate_hz);
+}
+
 TEST_F(RigFile, OwnFormatIsRead) {
   const auto rig = read_text(kOwnRig);
   ASSERT_TRUE(rig) << rig.error().message();
@@ -77,6 +88,40 @@ TEST_F(RigFile, OwnFormatIsRead) {
              level_mount(1.0, 55.0 * kDegree, true).T_body_left.matrix())
                 .norm(),
             1e-15);
+}
+
+TEST_F(RigFile, OwnFormatWithAnImu) {
+  EXPECT_FALSE(read_text(kOwnRig)->imu);
+  const auto rig = read_text(kOwnRig + kOwnImu);
+  ASSERT_TRUE(rig) << rig.error().message();
+  ASSERT_TRUE(rig->imu);
+  EXPECT_EQ(rig->imu->T_imu_left.translation(), Vector3d(-0.02, -0.06, 0.01));
+  EXPECT_LT((rig->imu->T_imu_left.linear() * Vector3d::UnitX() - Vector3d::UnitY()).norm(), 1e-15);
+  EXPECT_EQ(rig->imu->gyro_noise, 1.7e-4);
+  EXPECT_EQ(rig->imu->accel_noise, 2.0e-3);
+  EXPECT_EQ(rig->imu->gyro_walk, 2.0e-5);
+  EXPECT_EQ(rig->imu->accel_walk, 3.0e-3);
+  EXPECT_EQ(rig->imu->rate_hz, 400.0);
+  const auto usual = read_text(kOwnRig + kOwnImu.substr(0, kOwnImu.find("  gyro_noise")));
+  ASSERT_TRUE(usual) << usual.error().message();
+  StereoRig expected = *rig;
+  const Isometry3d T_imu_left = expected.imu->T_imu_left;
+  expected.imu.emplace().T_imu_left = T_imu_left;
+  expect_equal_imus(*usual, expected);
+}
+
+TEST_F(RigFile, ImusThatAreWrittenWrongAreNamed) {
+  const std::string whole = kOwnRig + kOwnImu;
+  EXPECT_SAYS(refusal(whole, "  T_imu_left", "  T_imu_lef"),
+              "imu.T_imu_lef: unknown name. Did you mean 'T_imu_left'?");
+  EXPECT_SAYS(refusal(whole, "  gyro_walk", "  gyro_wlk"), "Did you mean 'gyro_walk'?");
+  EXPECT_SAYS(refusal(whole, "gyro_noise: 1.7e-4", "gyro_noise: 0"),
+              "imu.gyro_noise: 0 is not a number above 0");
+  EXPECT_SAYS(refusal(whole, "rate_hz: 400", "rate_hz: fast"), "imu.rate_hz: 'fast' is not");
+  EXPECT_SAYS(refusal(whole, "[-0.02, -0.06, 0.01]", "[0.02]"), "T_imu_left.translation_m");
+  EXPECT_SAYS(refusal(kOwnRig + kOwnImu, kOwnImu, "imu: 3\n"), "imu: expected entries");
+  EXPECT_SAYS(refusal(kOwnRig + kOwnImu, kOwnImu, "imu: {rate_hz: 3}\n"),
+              "imu: 'T_imu_left' is missing");
 }
 
 TEST_F(RigFile, OwnFormatOfARectifiedRig) {
@@ -254,11 +299,22 @@ TEST_F(RigFile, WrittenRigsAreReadBackEqual) {
       if (++written % 2 == 0) {
         rig.mount = level_mount(uniform(random), uniform(random), written % 4 == 0);
       }
+      if (written % 3 == 0) {
+        Imu& imu = rig.imu.emplace();
+        imu.T_imu_left.linear() = so3_exp({uniform(random), uniform(random), uniform(random)});
+        imu.T_imu_left.translation() = Vector3d(1.0 / 3.0, uniform(random), 1e-9);
+        imu.gyro_noise = 1e-4 / 3.0;
+        imu.accel_noise = 1e-3 / 3.0;
+        imu.gyro_walk = 1e-5 / 3.0;
+        imu.accel_walk = 1e-6 / 3.0;
+        imu.rate_hz = 1000.0 / 3.0;
+      }
       const Status done = write_rig(path, rig);
       ASSERT_TRUE(done) << done.error().message();
       const auto read = read_rig(path.string());
       ASSERT_TRUE(read) << read.error().message();
       expect_equal(*read, rig);
+      expect_equal_imus(*read, rig);
     }
   }
   for (const StereoRig& rig : {bumblebee2(1024), bumblebee2(640)}) {
@@ -279,6 +335,9 @@ TEST_F(RigFile, UnsoundRigsAreNotWritten) {
   rig = bumblebee2(640);
   rig.T_left_right.linear() = so3_exp({0.1, 0, 0});
   EXPECT_EQ(write_rig(path, rig).error().where, "T_left_right");
+  rig = bumblebee2(640);
+  rig.imu.emplace().accel_walk = 0.0;
+  EXPECT_EQ(write_rig(path, rig).error().where, "imu.accel_walk");
   EXPECT_FALSE(fs::exists(path));
   EXPECT_EQ(write_rig(scratch_ / "no/folder/rig.yaml", bumblebee2(640)).error().code,
             ErrorCode::kWriteFailed);

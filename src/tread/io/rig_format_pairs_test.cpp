@@ -1,6 +1,7 @@
 // Rig files of other programs that come as one file a camera: EuRoC and ROS.
 #include <gtest/gtest.h>
 
+#include "file_mutations.hpp"
 #include "rig_file_fixture.hpp"
 #include "rig_samples.hpp"
 #include "tread/geometry/rectification.hpp"
@@ -41,6 +42,73 @@ TEST_F(RigFormatPairs, EurocFolder) {
   }
   fs::remove(scratch_ / "mav0/cam1/sensor.yaml");
   EXPECT_SAYS(message_of(read_rig(scratch_.path().string())), "cam1/sensor.yaml");
+}
+
+TEST_F(RigFormatPairs, EurocFolderWithAnImu) {
+  const std::string left = write("mav0/cam0/sensor.yaml", kEurocLeft);
+  const std::string right = write("mav0/cam1/sensor.yaml", kEurocRight);
+  EXPECT_FALSE(read_rig(scratch_.path().string())->imu);
+  write("mav0/imu0/sensor.yaml", kEurocImu);
+  for (const std::string& path :
+       {scratch_.path().string(), (scratch_ / "mav0").string(), left + "," + right}) {
+    const auto rig = read_rig(path);
+    ASSERT_TRUE(rig) << rig.error().message();
+    ASSERT_TRUE(rig->imu) << path;
+    // T_BS of cam0, as that of the IMU is none.
+    EXPECT_LT((rig->imu->T_imu_left.translation() -
+               Vector3d(-0.0216401454975, -0.064676986768, 0.00981073058949))
+                  .norm(),
+              1e-12);
+    EXPECT_NEAR(rig->imu->T_imu_left.linear()(1, 0), 0.999557249008, 1e-9);
+    EXPECT_EQ(rig->imu->gyro_noise, 1.6968e-04);
+    EXPECT_EQ(rig->imu->gyro_walk, 1.9393e-05);
+    EXPECT_EQ(rig->imu->accel_noise, 2e-3);
+    EXPECT_EQ(rig->imu->accel_walk, 3e-3);
+    EXPECT_EQ(rig->imu->rate_hz, 200.0);
+  }
+  // An IMU that sits elsewhere in the body: 1 m along its x, turned by a quarter about z.
+  write("mav0/imu0/sensor.yaml",
+        changed(changed(kEurocImu, "[1.0, 0.0, 0.0, 0.0,", "[0.0, -1.0, 0.0, 1.0,"),
+                "0.0, 1.0, 0.0, 0.0,", "1.0, 0.0, 0.0, 0.0,"));
+  const auto turned = read_rig(scratch_.path().string());
+  ASSERT_TRUE(turned) << turned.error().message();
+  EXPECT_LT((turned->imu->T_imu_left.translation() -
+             Vector3d(-0.064676986768, 1.0216401454975, 0.00981073058949))
+                .norm(),
+            1e-12);
+  const auto refusal = [&](const std::string& from, const std::string& to) {
+    write("mav0/imu0/sensor.yaml", changed(kEurocImu, from, to));
+    return message_of(read_rig(scratch_.path().string()));
+  };
+  EXPECT_SAYS(refusal("sensor_type: imu", "sensor_type: camera"),
+              "imu0/sensor.yaml:2: sensor_type: 'camera' is no IMU");
+  EXPECT_SAYS(refusal("sensor_type: imu\n", ""), "'sensor_type' is missing");
+  EXPECT_SAYS(refusal("T_BS", "T_SB"), "'T_BS' is missing");
+  EXPECT_SAYS(refusal("rate_hz: 200\n", ""), "'rate_hz' is missing");
+  EXPECT_SAYS(refusal("rate_hz: 200", "rate_hz: -200"), "imu.rate_hz: -200 is not");
+  for (const char* key : {"gyroscope_noise_density", "gyroscope_random_walk",
+                          "accelerometer_noise_density", "accelerometer_random_walk"}) {
+    EXPECT_SAYS(refusal(key, "x"), std::string("'") + key + "' is missing");
+  }
+}
+
+TEST_F(RigFormatPairs, DamagedEurocImus) {
+  write("cam0/sensor.yaml", kEurocLeft);
+  write("cam1/sensor.yaml", kEurocRight);
+  const fs::path path = write("imu0/sensor.yaml", kEurocImu);
+  const auto taken = [&](const fs::path&) {
+    const auto rig = read_rig(scratch_.path().string());
+    if (rig) {
+      EXPECT_TRUE(rig->imu && check_rig(*rig));
+    } else {
+      EXPECT_SAYS(rig.error().where + rig.error().what, "imu");
+      EXPECT_FALSE(rig.error().remedy.empty());
+    }
+    return rig.has_value();
+  };
+  // Cut within the last line, its number (3.0000e-3) may still be one, and its comment.
+  EXPECT_LT(shorter_files_taken(kEurocImu, path, taken), 40);
+  EXPECT_GT(damaged_files_refused(kEurocImu, path, taken), 500);
 }
 
 TEST_F(RigFormatPairs, EurocRefusals) {

@@ -19,6 +19,10 @@ struct RigDocument {
 [[nodiscard]] Result<StereoRig> read_own_rig(const Field& root);
 [[nodiscard]] Result<StereoRig> read_kalibr_rig(const Field& root);
 [[nodiscard]] Result<StereoRig> read_euroc_rig(const Field& left, const Field& right);
+// T_BS of a sensor.yaml: the sensor's axes into those of the body.
+[[nodiscard]] Result<Isometry3d> read_euroc_place(const Field& sensor);
+// Of imu0/sensor.yaml, and where the left camera sits in the body.
+[[nodiscard]] Result<Imu> read_euroc_imu(const Field& imu, const Isometry3d& T_body_left);
 [[nodiscard]] Result<StereoRig> read_camera_info_rig(const Field& left, const Field& right);
 // One file with everything, or intrinsics and extrinsics apart (the same file twice otherwise).
 [[nodiscard]] Result<StereoRig> read_opencv_rig(const Field& intrinsics, const Field& extrinsics,

@@ -216,6 +216,26 @@ TEST_F(RigFormats, Kalibr) {
   EXPECT_GT(rig->T_left_right.translation().x(), 0.1);
 }
 
+std::string kalibr_with_imu() {
+  return changed(kKalibr, "cam1:\n", kKalibrImu + "cam1:\n");
+}
+
+TEST_F(RigFormats, KalibrWithAnImu) {
+  EXPECT_FALSE(read_text(kKalibr)->imu);
+  const auto rig = read_text(kalibr_with_imu());
+  ASSERT_TRUE(rig) << rig.error().message();
+  ASSERT_TRUE(rig->imu);
+  // The IMU's origin in the camera, and a point 1 m along the IMU's x.
+  const Isometry3d& T_imu_left = rig->imu->T_imu_left;
+  EXPECT_LT((T_imu_left * Vector3d(0.1, 0.2, 0.3)).norm(), 1e-12);
+  EXPECT_LT((T_imu_left * Vector3d(0.1, -0.8, 0.3) - Vector3d::UnitX()).norm(), 1e-12);
+  EXPECT_EQ(rig->imu->rate_hz, Imu{}.rate_hz);
+  EXPECT_EQ(rig->imu->gyro_noise, Imu{}.gyro_noise);
+  EXPECT_SAYS(message_of(read_text(
+                  changed(kalibr_with_imu(), "[0.0, 1.0, 0.0, 0.1]", "[0.0, 1.1, 0.0, 0.1]"))),
+              "cam0.T_cam_imu: not a rigid motion");
+}
+
 TEST_F(RigFormats, KalibrRefusals) {
   const auto refusal = [this](const std::string& from, const std::string& to) {
     return message_of(read_text(changed(kKalibr, from, to)));

@@ -1,9 +1,10 @@
-// A folder of stereo images as a source. The list of frames, the rig and the poses are read when it
-// is opened; images one pair at a time.
+// A folder of stereo images as a source. The list of frames, the rig, the poses and the samples of
+// the IMU are read when it is opened; images one pair at a time.
 #include "tread/io/source.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <system_error>
@@ -12,8 +13,10 @@
 
 #include "tread/io/atomic_file.hpp"
 #include "tread/io/image_file.hpp"
+#include "tread/io/imu_file.hpp"
 #include "tread/io/rig_file.hpp"
 #include "tread/io/stereo_folder.hpp"
+#include "tread/io/stereo_poses.hpp"
 #include "tread/io/text.hpp"
 #include "tread/io/trajectory_file.hpp"
 #include "tread/io/usual_image_size.hpp"
@@ -24,20 +27,23 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kKittiCameraHeight_m = 1.65;  // Geiger, Lenz, Stiller, Urtasun 2013, Fig. 3
+constexpr std::int64_t kBeforeFirstFrame_ns = 1'000'000'000;  // samples that come with it
 
 class FolderSource : public StereoSource {
  public:
   FolderSource(StereoFolder folder, StereoRig rig, std::vector<std::optional<Isometry3d>> poses,
-               std::vector<Error> problems, const ImageReading& reading)
+               std::vector<ImuSample> imu, std::vector<Error> problems, const ImageReading& reading)
       : folder_(std::move(folder)),
         reading_(reading),
         rig_(std::move(rig)),
         poses_(std::move(poses)),
+        imu_(std::move(imu)),
         problems_(std::move(problems)) {}
 
   [[nodiscard]] const StereoRig& rig() const override { return rig_; }
   [[nodiscard]] int frame_count() const override { return static_cast<int>(folder_.frames.size()); }
   [[nodiscard]] bool has_poses() const override { return !poses_.empty(); }
+  [[nodiscard]] bool has_imu() const override { return !imu_.empty(); }
   [[nodiscard]] const std::vector<Error>& problems() const override { return problems_; }
   [[nodiscard]] std::string kind() const override {
     return folder_.kind == StereoFolder::Kind::kKitti ? "KITTI odometry folder"
@@ -51,15 +57,18 @@ class FolderSource : public StereoSource {
   }
 
  private:
-  [[nodiscard]] Result<std::optional<StereoFrame>> read(std::size_t index) const;
+  [[nodiscard]] Result<std::optional<StereoFrame>> read(std::size_t index);
   [[nodiscard]] Status check_size(ImageView<const std::uint8_t> image, const fs::path& path) const;
+  [[nodiscard]] std::vector<ImuSample> imu_until(std::int64_t stamp_ns) const;
 
   StereoFolder folder_;
   ImageReading reading_;
   StereoRig rig_;
   std::vector<std::optional<Isometry3d>> poses_;  // none, or one a frame
+  std::vector<ImuSample> imu_;                    // by time
   std::vector<Error> problems_;
   std::size_t next_ = 0;
+  std::optional<std::int64_t> given_until_ns_;  // time of the last frame that was given out
 };
 
 Status FolderSource::check_size(ImageView<const std::uint8_t> image, const fs::path& path) const {
@@ -70,7 +79,19 @@ Status FolderSource::check_size(ImageView<const std::uint8_t> image, const fs::p
               path.string(), "Give images as they were calibrated, or another rig file");
 }
 
-Result<std::optional<StereoFrame>> FolderSource::read(std::size_t index) const {
+// Those after the last frame that was given out: a frame that cannot be read leaves no gap.
+std::vector<ImuSample> FolderSource::imu_until(std::int64_t stamp_ns) const {
+  const auto after = [&](std::int64_t limit_ns) {
+    return std::upper_bound(
+        imu_.begin(), imu_.end(), limit_ns,
+        [](std::int64_t limit, const ImuSample& sample) { return limit < sample.stamp_ns; });
+  };
+  const auto begin = after(given_until_ns_.value_or(stamp_ns - kBeforeFirstFrame_ns));
+  const auto end = after(stamp_ns);
+  return begin < end ? std::vector<ImuSample>(begin, end) : std::vector<ImuSample>{};
+}
+
+Result<std::optional<StereoFrame>> FolderSource::read(std::size_t index) {
   const StereoFolder::Frame& from = folder_.frames[index];
   if (from.left.empty() || from.right.empty()) {
     const bool no_left = from.left.empty();
@@ -91,6 +112,8 @@ Result<std::optional<StereoFrame>> FolderSource::read(std::size_t index) const {
   frame.right = std::move(*right);
   frame.left_colour = std::move(left->colour);
   if (!poses_.empty()) frame.T_world_left = poses_[index];
+  frame.imu = imu_until(frame.stamp_ns);
+  given_until_ns_ = frame.stamp_ns;
   return std::optional<StereoFrame>(std::move(frame));
 }
 
@@ -187,79 +210,6 @@ Result<ColourCameras> read_colour_cameras(const fs::path& path, ImageSize size) 
   return cameras;
 }
 
-// Poses as they come from the file, in the order of its lines or by time.
-struct PoseFile {
-  std::vector<std::optional<Isometry3d>> by_number;
-  Trajectory by_time;
-  std::vector<Error> bad_lines;
-};
-
-// TUM or KITTI, told apart by the number of fields of the first line that has as many as either.
-// A damaged line costs its pose, not the drive; but one pose there must be.
-Result<PoseFile> read_poses(const fs::path& path) {
-  const auto text = read_file(path, std::size_t{1} << 30);
-  if (!text) return forward(text);
-  const auto lines = lines_with_content(*text);
-  PoseFile poses;
-  std::size_t fields = lines.empty() ? 0 : split_fields(lines.front().text).size();
-  for (const TextLine& line : lines) {
-    const std::size_t here = split_fields(line.text).size();
-    if (here != 8 && here != 12) continue;
-    fields = here;
-    break;
-  }
-  if (fields == 12) {
-    auto read = read_kitti_poses(path, &poses.bad_lines);
-    if (!read) return forward(read);
-    poses.by_number = std::move(*read);
-    if (poses.bad_lines.size() < poses.by_number.size()) return poses;
-    return tl::unexpected<Error>(poses.bad_lines.front());
-  }
-  if (fields == 8) {
-    auto read = read_tum_trajectory(path, &poses.bad_lines);
-    if (!read) return forward(read);
-    poses.by_time = std::move(*read);
-    if (!poses.by_time.empty()) return poses;
-    return tl::unexpected<Error>(poses.bad_lines.front());
-  }
-  return fail(ErrorCode::kBadFormat, fmt::format("{} numbers in the first line", fields),
-              path.string(), "Write 8 (TUM: time tx ty tz qx qy qz qw) or 12 (KITTI: 3x4 matrix)");
-}
-
-fs::path find_poses(const fs::path& path, const StereoFolder& folder,
-                    const SourceOptions& options) {
-  if (!options.poses.empty()) return options.poses;
-  if (is_there(path / "poses.txt")) return path / "poses.txt";
-  if (folder.kind != StereoFolder::Kind::kKitti) return {};
-  // sequences/07 and poses/07.txt
-  std::error_code error;
-  const fs::path whole = fs::canonical(path, error);
-  const fs::path beside =
-      whole.parent_path().parent_path() / "poses" / (whole.filename().string() + ".txt");
-  return !error && is_there(beside) ? beside : fs::path{};
-}
-
-// One a frame. `T_0_left` is where the left camera sits in the one that the poses are of.
-std::vector<std::optional<Isometry3d>> poses_of_frames(const PoseFile& poses,
-                                                       const StereoFolder& folder,
-                                                       const StereoRig& rig,
-                                                       const Isometry3d& T_0_left) {
-  const Isometry3d T_world_first =
-      rig.mount ? rig.mount->T_body_left : level_mount(0.0, 0.0, true).T_body_left;
-  std::vector<std::optional<Isometry3d>> found;
-  for (const StereoFolder::Frame& frame : folder.frames) {
-    const auto number = static_cast<std::size_t>(frame.number);
-    if (!poses.by_time.empty()) {
-      found.push_back(pose_at(poses.by_time, frame.stamp_ns));
-    } else if (number < poses.by_number.size() && poses.by_number[number]) {
-      found.emplace_back(T_world_first * T_0_left.inverse() * *poses.by_number[number] * T_0_left);
-    } else {
-      found.emplace_back(std::nullopt);
-    }
-  }
-  return found;
-}
-
 // Times of KITTI: line n of times.txt is that of frame n.
 Status read_frame_times(const fs::path& path, StereoFolder& folder) {
   const auto times_ns = read_times(path);
@@ -274,6 +224,28 @@ Status read_frame_times(const fs::path& path, StereoFolder& folder) {
     frame.stamp_ns = (*times_ns)[number];
   }
   return {};
+}
+
+// The samples of imu0/data.csv, if it is there. The images are of use without them: what is wrong
+// with the file is among the problems.
+std::vector<ImuSample> find_imu_samples(const fs::path& path, const StereoFolder& folder,
+                                        std::vector<Error>& problems) {
+  fs::path file = path / "imu0" / "data.csv";
+  if (!is_there(file)) file = path / "mav0" / "imu0" / "data.csv";
+  if (!is_there(file)) return {};
+  auto samples = read_imu(file, &problems);
+  if (!samples) {
+    problems.push_back(samples.error());
+    return {};
+  }
+  const std::int64_t first_ns = folder.frames.front().stamp_ns - kBeforeFirstFrame_ns;
+  if (samples->front().stamp_ns > folder.frames.back().stamp_ns ||
+      samples->back().stamp_ns <= first_ns) {
+    problems.push_back({ErrorCode::kBadValue, "no sample is of the time of the images",
+                        file.string(), "Name the images by their times in nanoseconds"});
+    return {};
+  }
+  return std::move(*samples);
 }
 
 }  // namespace
@@ -307,16 +279,15 @@ Result<std::unique_ptr<StereoSource>> open_stereo_source(const fs::path& path,
     cameras.rig.mount = level_mount(kKittiCameraHeight_m, 0.0, true);
   }
 
-  std::vector<std::optional<Isometry3d>> poses;
   std::vector<Error> problems;
-  if (const fs::path file = find_poses(path, *folder, options); !file.empty()) {
-    auto read = read_poses(file);
-    if (!read) return forward(read);
-    problems = std::move(read->bad_lines);
-    poses = poses_of_frames(*read, *folder, cameras.rig, cameras.T_0_2);
-  }
+  auto poses = internal::read_frame_poses(
+      {path, options.poses, *folder, cameras.rig, cameras.T_0_2}, problems);
+  if (!poses) return forward(poses);
+  std::vector<ImuSample> imu;
+  if (cameras.rig.imu) imu = find_imu_samples(path, *folder, problems);
   return std::make_unique<FolderSource>(std::move(*folder), std::move(cameras.rig),
-                                        std::move(poses), std::move(problems), options.images);
+                                        std::move(*poses), std::move(imu), std::move(problems),
+                                        options.images);
 }
 
 }  // namespace tread

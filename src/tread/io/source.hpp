@@ -26,13 +26,15 @@ class StereoSource {
   // Frames that next() will try to read, also those that will turn out to be bad.
   [[nodiscard]] virtual int frame_count() const = 0;
   [[nodiscard]] virtual bool has_poses() const = 0;
-  // What was found wrong on opening and could be left out: lines of the trajectory.
+  // Frames come with the samples of an IMU, and the rig knows where it sits.
+  [[nodiscard]] virtual bool has_imu() const = 0;
+  // What was found wrong on opening and could be left out: lines of the trajectory or of the IMU.
   [[nodiscard]] virtual const std::vector<Error>& problems() const = 0;
   // What it is: "KITTI odometry folder".
   [[nodiscard]] virtual std::string kind() const = 0;
   // The next frame; empty after the last. An error names the file: an image that is missing, cannot
   // be read, or has another size than the rig (than most images where the calibration names none).
-  // The next call goes on with the frame behind it.
+  // The next call goes on with the frame behind it, which then has the samples of both.
   [[nodiscard]] virtual Result<std::optional<StereoFrame>> next() = 0;
 };
 
@@ -52,6 +54,8 @@ struct SourceOptions {
 //     rig.yaml in it, or what else read_rig finds in the folder, or options.rig; poses.txt if
 //     there. File stems that are whole numbers of 16 or more digits are stamps in nanoseconds;
 //     otherwise frames are numbered at 10 Hz.
+//     EuRoC/ASL folders: also imu0/data.csv (read_imu), if the rig has an IMU, and
+//     state_groundtruth_estimate0/data.csv (read_euroc_poses), both also in mav0/.
 // Frames are in order of their numbers if all stems are numbers, else of their names, and are
 // paired by name; a stem that is a number below 16 digits is the number of the frame.
 //
@@ -61,6 +65,9 @@ struct SourceOptions {
 // (only in the second kind of folder) that origin is in the first camera. Poses in TUM format (8
 // numbers a line) are matched by time (see pose_at) and taken as T_world_left as they are. A frame
 // that has none has no T_world_left; so one whose line cannot be read, which is among problems().
+// The truth of EuRoC is that of the body, T_world_left = T_world_body T_body_left, found by time;
+// T_body_left is T_imu_left of the rig (times T_BS of imu0/sensor.yaml, if there), else T_BS of
+// cam0/sensor.yaml.
 [[nodiscard]] Result<std::unique_ptr<StereoSource>> open_stereo_source(
     const std::filesystem::path& path, const SourceOptions& options = {});
 

@@ -4,6 +4,7 @@ target_sources(tread_tests PRIVATE
   ${here}/atomic_file_test.cpp
   ${here}/image_file_test.cpp
   ${here}/image_header_test.cpp
+  ${here}/imu_file_test.cpp
   ${here}/map_files_test.cpp
   ${here}/map_yaml_test.cpp
   ${here}/mesh_file_test.cpp
@@ -20,6 +21,7 @@ target_sources(tread_tests PRIVATE
   ${here}/rig_format_pairs_test.cpp
   ${here}/rig_formats_test.cpp
   ${here}/source_size_test.cpp
+  ${here}/source_euroc_test.cpp
   ${here}/source_test.cpp
   ${here}/stereo_folder_test.cpp
   ${here}/text_test.cpp

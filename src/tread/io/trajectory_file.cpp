@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "tread/io/atomic_file.hpp"
+#include "tread/io/stamped_csv.hpp"
 #include "tread/io/text.hpp"
 
 namespace tread {
@@ -18,6 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kLargestFile = std::size_t{1} << 30;
 constexpr const char* kCorrectLine = "Correct or remove this line";
+constexpr const char* kZeroQuaternion = "the quaternion is zero";
 
 // The first N fields as finite numbers; there are at least so many.
 template <std::size_t N>
@@ -34,6 +36,25 @@ Result<std::array<double, N>> finite_numbers(std::span<const std::string_view> f
     numbers[i] = *number;
   }
   return numbers;
+}
+
+// x, y, z, w
+bool is_zero(const Eigen::Vector4d& q) {
+  return q.cwiseAbs().maxCoeff() < 1e-6;
+}
+
+Isometry3d pose_of(const Eigen::Vector3d& p, const Eigen::Vector4d& q) {
+  // Scaled first, so that its square neither overflows nor vanishes.
+  const Eigen::Vector4d unit = (q / q.cwiseAbs().maxCoeff()).normalized();
+  Isometry3d pose = Isometry3d::Identity();
+  pose.linear() = Eigen::Quaterniond(unit[3], unit[0], unit[1], unit[2]).toRotationMatrix();
+  pose.translation() = p;
+  return pose;
+}
+
+// Of a row of EuRoC: qw comes first.
+Eigen::Vector4d quaternion_of(const internal::StampedRow& row) {
+  return {row.numbers[4], row.numbers[5], row.numbers[6], row.numbers[3]};
 }
 
 tl::unexpected<Error> not_increasing(const std::string& place) {
@@ -100,18 +121,12 @@ Result<Isometry3d> parse_tum_pose(std::span<const std::string_view> fields,
   const auto numbers = finite_numbers<7>(fields, place, kCorrectLine);
   if (!numbers) return forward(numbers);
   const auto& n = *numbers;
-  Eigen::Vector4d q(n[3], n[4], n[5], n[6]);
-  // Scaled first, so that its square neither overflows nor vanishes.
-  const double largest = q.cwiseAbs().maxCoeff();
-  if (largest < 1e-6) {
-    return fail(ErrorCode::kBadValue, "the quaternion is zero", place,
+  const Eigen::Vector4d q(n[3], n[4], n[5], n[6]);
+  if (is_zero(q)) {
+    return fail(ErrorCode::kBadValue, kZeroQuaternion, place,
                 "Write the rotation as qx qy qz qw; none is 0 0 0 1");
   }
-  q = (q / largest).normalized();
-  Isometry3d pose = Isometry3d::Identity();
-  pose.linear() = Eigen::Quaterniond(q[3], q[0], q[1], q[2]).toRotationMatrix();
-  pose.translation() = Eigen::Vector3d(n[0], n[1], n[2]);
-  return pose;
+  return pose_of({n[0], n[1], n[2]}, q);
 }
 
 Result<Trajectory> read_tum_trajectory(const fs::path& path, std::vector<Error>* bad_lines) {
@@ -163,6 +178,21 @@ Result<std::vector<std::optional<Isometry3d>>> read_kitti_poses(const fs::path& 
     poses.push_back(pose ? std::optional(*pose) : std::nullopt);
   }
   return poses;
+}
+
+Result<Trajectory> read_euroc_poses(const fs::path& path, std::vector<Error>* problems) {
+  const internal::CsvLayout layout{7, true, "time in ns, px, py, pz, qw, qx, qy, qz",
+                                   [](const internal::StampedRow& row) {
+                                     return is_zero(quaternion_of(row)) ? kZeroQuaternion : nullptr;
+                                   }};
+  const auto rows = internal::read_stamped_csv(path, layout, problems);
+  if (!rows) return forward(rows);
+  Trajectory trajectory;
+  for (const internal::StampedRow& row : *rows) {
+    const auto& n = row.numbers;
+    trajectory.push_back({row.stamp_ns, pose_of({n[0], n[1], n[2]}, quaternion_of(row))});
+  }
+  return trajectory;
 }
 
 Result<Isometry3d> read_pose_matrix(const fs::path& path) {

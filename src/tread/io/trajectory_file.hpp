@@ -1,5 +1,5 @@
-// Trajectories: TUM format ("time tx ty tz qx qy qz qw", seconds, one pose a line, # comments) and
-// KITTI poses (3x4 row-major matrices, one a line, no time).
+// Trajectories: TUM format ("time tx ty tz qx qy qz qw", seconds, one pose a line, # comments),
+// KITTI poses (3x4 row-major matrices, one a line, no time), and the truth of EuRoC.
 #pragma once
 
 #include <cstdint>
@@ -27,6 +27,12 @@ namespace tread {
 // line that cannot be read is added there and has no pose.
 [[nodiscard]] Result<std::vector<std::optional<Isometry3d>>> read_kitti_poses(
     const std::filesystem::path& path, std::vector<Error>* bad_lines = nullptr);
+
+// The truth of EuRoC/ASL (state_groundtruth_estimate0/data.csv): "time in ns,px,py,pz,qw,qx,qy,qz"
+// and whatever follows a line, which is the body's pose in the world. Lines that are left out are
+// told as read_imu does it.
+[[nodiscard]] Result<Trajectory> read_euroc_poses(const std::filesystem::path& path,
+                                                  std::vector<Error>* problems = nullptr);
 
 // One pose a file, as 7-Scenes has it: a 4x4 matrix of 16 numbers, row by row, between blanks and
 // line ends. A rotation that is off by rounding is made orthonormal; one that is none, and numbers

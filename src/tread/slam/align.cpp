@@ -75,15 +75,15 @@ class Aligner {
   [[nodiscard]] NormalEquations depth_equations(std::size_t level, bool with_cross) const {
     if (model_ == nullptr) return {};
     IcpJob job;
-    job.frame = &frame_.depth[level];
-    job.model = &(*model_)[level];
+    job.frame = DepthView::of(frame_.depth[level]);
+    job.model = DepthView::of((*model_)[level]);
     set_motion(T_, job.R, job.t);
     job.gate_m = static_cast<float>(options_.gate_m);
     job.least_cosine =
         static_cast<float>(std::cos(options_.gate_angle_deg * std::numbers::pi / 180.0));
     job.constant_m = static_cast<float>(noise_.constant_m);
     job.quadratic_per_m = static_cast<float>(noise_.quadratic_per_m);
-    return sum_chunks<NormalEquations>(context_, job.frame->height(), 16,
+    return sum_chunks<NormalEquations>(context_, job.frame.depth.height, 16,
                                        [&](int first, int last, NormalEquations& sums) {
                                          icp_rows(job, first, last, with_cross, sums);
                                        });
@@ -91,7 +91,7 @@ class Aligner {
 
   [[nodiscard]] PhotoSums photo_sums(std::size_t level, bool with_cross) const {
     PhotoJob job;
-    job.points = &key_->points[level];
+    job.points = PhotoPointsView::of(key_->points[level]);
     const GreyLevel& grey = frame_.grey[level];
     job.image = grey.intensity;
     job.image_gx = grey.gx;
@@ -101,7 +101,7 @@ class Aligner {
     job.gain = static_cast<float>(found_.gain);
     job.offset = static_cast<float>(found_.offset);
     job.sigma = static_cast<float>(grey_sigma_);
-    return sum_chunks<PhotoSums>(context_, job.points->size(), 4096,
+    return sum_chunks<PhotoSums>(context_, job.points.size, 4096,
                                  [&](int first, int last, PhotoSums& sums) {
                                    photo_points(job, first, last, with_cross, sums);
                                  });
@@ -280,7 +280,7 @@ Eigen::Matrix3d turn_at(const GreyLevel& first, const GreyLevel& second, const P
     }
   }
   PhotoJob job;
-  job.points = &points;
+  job.points = PhotoPointsView::of(points);
   job.image = second.intensity;
   job.image_gx = second.gx;
   job.image_gy = second.gy;

@@ -53,6 +53,14 @@ HWY_INLINE Floats huber_weight(Floats r, Floats limit) {
   return hn::Min(set(1.0F), hn::Div(limit, hn::Max(hn::Abs(r), limit)));
 }
 
+HWY_INLINE double total(Floats v) {
+  HWY_ALIGN float lanes[hn::MaxLanes(F32())];
+  hn::Store(v, F32(), lanes);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < hn::Lanes(F32()); ++i) sum += lanes[i];
+  return sum;
+}
+
 // The sums of NormalEquations, lane by lane.
 template <bool kCross>
 struct Sums {
@@ -85,13 +93,6 @@ struct Sums {
     count = hn::Add(count, hn::IfThenElseZero(hn::Gt(w, zero()), set(1.0F)));
   }
   HWY_INLINE void give(NormalEquations& out) const {
-    const auto total = [](Floats v) HWY_ATTR {
-      HWY_ALIGN float lanes[hn::MaxLanes(F32())];
-      hn::Store(v, F32(), lanes);
-      double sum = 0.0;
-      for (std::size_t i = 0; i < hn::Lanes(F32()); ++i) sum += lanes[i];
-      return sum;
-    };
     int k = 0;
     for (int i = 0; i < 6; ++i) {
       for (int j = i; j < 6; ++j, ++k) {
@@ -115,13 +116,14 @@ HWY_NOINLINE void icp_row(const IcpJob& job, int y, NormalEquations& out) {
   const F32 f32;
   const I32 i32;
   const int lanes = static_cast<int>(hn::Lanes(f32));
-  const DepthLevel& frame = *job.frame;
-  const DepthLevel& model = *job.model;
-  const int width = frame.width();
+  const DepthView& frame = job.frame;
+  const DepthView& model = job.model;
+  const int width = frame.depth.width;
   const Pinhole& camera = frame.camera;
   const Pinhole& other = model.camera;
   const Floats yn = set((static_cast<float>(y) - camera.cy) / camera.fy);
-  const Ints model_width = hn::Set(i32, model.width()), model_height = hn::Set(i32, model.height());
+  const Ints model_width = hn::Set(i32, model.depth.width),
+             model_height = hn::Set(i32, model.depth.height);
   const Ints stride = hn::Set(i32, static_cast<std::int32_t>(model.depth.stride));
   const Floats gate = set(job.gate_m * job.gate_m);
   Sums<kCross> sums;
@@ -129,7 +131,7 @@ HWY_NOINLINE void icp_row(const IcpJob& job, int y, NormalEquations& out) {
   HWY_ALIGN float ends[4][hn::MaxLanes(F32())];
   for (int x = 0; x < width; x += lanes) {
     // Rows end with whole vectors of memory or not: the last one is filled up with unknown depth.
-    const auto row_of = [&](const Image<float>& image, int i) HWY_ATTR {
+    const auto row_of = [&](const ImageView<const float>& image, int i) HWY_ATTR {
       const float* row = image.row(y) + x;
       if (x + lanes <= width) return hn::LoadU(f32, row);
       std::fill(std::copy(row, row + (width - x), ends[i]), ends[i] + lanes,
@@ -202,7 +204,7 @@ void photo_points_of(const PhotoJob& job, int first, int last, PhotoSums& out) {
   const F32 f32;
   const I32 i32;
   const int lanes = static_cast<int>(hn::Lanes(f32));
-  const PhotoPoints& points = *job.points;
+  const PhotoPointsView& points = job.points;
   const auto stride = hn::Set(i32, static_cast<std::int32_t>(job.image.stride));
   const Floats most_u = set(static_cast<float>(job.image.width - 1)),
                most_v = set(static_cast<float>(job.image.height - 1));
@@ -213,8 +215,8 @@ void photo_points_of(const PhotoJob& job, int first, int last, PhotoSums& out) {
   Floats key = zero(), here = zero(), key_here = zero(), here_here = zero(), absolute = zero();
   HWY_ALIGN float ends[6][hn::MaxLanes(F32())];
   for (int i = first; i < last; i += lanes) {
-    const auto take = [&](const std::vector<float>& values, int k) HWY_ATTR {
-      const float* from = values.data() + i;
+    const auto take = [&](const float* values, int k) HWY_ATTR {
+      const float* from = values + i;
       if (i + lanes <= last) return hn::LoadU(f32, from);
       std::fill(std::copy(from, from + (last - i), ends[k]), ends[k] + lanes, -1.0F);
       return hn::Load(f32, ends[k]);
@@ -276,13 +278,6 @@ void photo_points_of(const PhotoJob& job, int first, int last, PhotoSums& out) {
     absolute = hn::Add(absolute, hn::Abs(residual));
   }
   sums.give(out.equations);
-  const auto total = [](Floats v) HWY_ATTR {
-    HWY_ALIGN float all[hn::MaxLanes(F32())];
-    hn::Store(v, F32(), all);
-    double sum = 0.0;
-    for (std::size_t i = 0; i < hn::Lanes(F32()); ++i) sum += all[i];
-    return sum;
-  };
   out.key += total(key);
   out.here += total(here);
   out.key_here += total(key_here);

@@ -58,15 +58,15 @@ TEST(AlignKernel, DepthJacobianIsTheSlopeOfTheError) {
   const Pair pair(bench::room_corner(), kMotion);
   const Isometry3d T = Isometry3d::Identity();
   IcpJob job;
-  job.frame = &pair.second.depth[2];
-  job.model = &pair.first.depth[2];
+  job.frame = DepthView::of(pair.second.depth[2]);
+  job.model = DepthView::of(pair.first.depth[2]);
   job.gate_m = 0.2F;
   job.least_cosine = 0.5F;
   job.constant_m = 0.01F;
   job.huber = 1e6F;
   set_motion(T, job.R, job.t);
   NormalEquations at;
-  icp_rows(job, 0, job.frame->height(), false, at);
+  icp_rows(job, 0, job.frame.depth.height, false, at);
   ASSERT_GT(at.count, 3000);
   // Moving a point of the frame changes which pixel of the model it meets; so compare with the
   // change that J itself predicts, pixel by pixel, on those that meet the same one: steps far below
@@ -78,7 +78,7 @@ TEST(AlignKernel, DepthJacobianIsTheSlopeOfTheError) {
       Vector6d twist = Vector6d::Zero();
       twist(k) = side == 0 ? -kStep : kStep;
       set_motion(se3_exp(twist), job.R, job.t);
-      icp_rows(job, 0, job.frame->height(), false, sides[side]);
+      icp_rows(job, 0, job.frame.depth.height, false, sides[side]);
     }
     const double slope = (sides[1].error - sides[0].error) / (2.0 * kStep) / 2.0;
     EXPECT_NEAR(slope, at.g(k), 0.05 * at.g.cwiseAbs().maxCoeff() + 30.0) << "direction " << k;
@@ -89,7 +89,7 @@ TEST(AlignKernel, IntensityJacobianIsTheSlopeOfTheError) {
   const Pair pair(bench::room_corner(), Vector6d::Zero());
   const PhotoKeyframe key = keyframe_of(pair.first, pair.T_first);
   PhotoJob job;
-  job.points = &key.points[1];
+  job.points = PhotoPointsView::of(key.points[1]);
   job.image = pair.second.grey[1].intensity;
   job.image_gx = pair.second.grey[1].gx;
   job.image_gy = pair.second.grey[1].gy;
@@ -105,10 +105,10 @@ TEST(AlignKernel, IntensityJacobianIsTheSlopeOfTheError) {
       Vector6d twist = Vector6d::Zero();
       twist(k) = side == 0 ? -kStep : kStep;
       set_motion(se3_exp(twist), job.R, job.t);
-      photo_points(job, 0, job.points->size(), false, sides[side]);
+      photo_points(job, 0, job.points.size, false, sides[side]);
     }
     set_motion(Isometry3d::Identity(), job.R, job.t);
-    photo_points(job, 0, job.points->size(), false, at);
+    photo_points(job, 0, job.points.size, false, at);
     ASSERT_GT(at.equations.count, 2000);
     const double curvature = (sides[1].equations.g(k) - sides[0].equations.g(k)) / (2.0 * kStep);
     EXPECT_NEAR(curvature / at.equations.H(k, k), 1.0, 0.25) << "direction " << k;
@@ -119,12 +119,12 @@ TEST(AlignKernel, EveryInstructionSetSumsTheSame) {
   const Pair pair(bench::room_corner(), kMotion);
   const PhotoKeyframe key = keyframe_of(pair.first, pair.T_first);
   IcpJob icp;
-  icp.frame = &pair.second.depth[1];
-  icp.model = &pair.first.depth[1];
+  icp.frame = DepthView::of(pair.second.depth[1]);
+  icp.model = DepthView::of(pair.first.depth[1]);
   icp.constant_m = 0.003F;
   set_motion(se3_exp(kMotion), icp.R, icp.t);
   PhotoJob photo;
-  photo.points = &key.points[1];
+  photo.points = PhotoPointsView::of(key.points[1]);
   photo.image = pair.second.grey[1].intensity;
   photo.image_gx = pair.second.grey[1].gx;
   photo.image_gy = pair.second.grey[1].gy;
@@ -133,9 +133,9 @@ TEST(AlignKernel, EveryInstructionSetSumsTheSame) {
   std::vector<NormalEquations> icp_sums, photo_sums;
   testing::on_every_target([&] {
     icp_sums.emplace_back();
-    icp_rows(icp, 0, icp.frame->height(), true, icp_sums.back());
+    icp_rows(icp, 0, icp.frame.depth.height, true, icp_sums.back());
     PhotoSums sums;
-    photo_points(photo, 0, photo.points->size(), true, sums);
+    photo_points(photo, 0, photo.points.size, true, sums);
     photo_sums.push_back(sums.equations);
   });
   for (const auto* all : {&icp_sums, &photo_sums}) {

@@ -16,6 +16,15 @@ namespace {
 
 constexpr int kHalveFrom = 480;  // images at least so wide are tracked at half their resolution
 
+Status check_start(const PinholeCamera& camera, const SlamOptions& options,
+                   const Isometry3d& T_world_first) {
+  if (Status good = check_camera(camera, "camera"); !good) return good;
+  if (Status good = check_options(options); !good) return good;
+  if (is_rigid(T_world_first)) return {};
+  return fail(ErrorCode::kBadValue, "the pose of the first frame is not a rigid motion",
+              "T_world_first", "Give an orthonormal right-handed rotation and finite metres");
+}
+
 double turn_between(const Isometry3d& a, const Isometry3d& b) {
   return so3_log(a.linear().transpose() * b.linear()).norm();
 }
@@ -70,7 +79,11 @@ const char* name_of(TrackStatus status) {
 
 struct DepthSlam::Impl {
   Impl(const PinholeCamera& with, const SlamOptions& chosen, const Isometry3d& T_world_first)
-      : camera(Pinhole::of(with)), options(chosen), volume(chosen.volume), T_world(T_world_first) {}
+      : made(check_start(with, chosen, T_world_first)),
+        camera(Pinhole::of(with)),
+        options(chosen),
+        volume(made ? chosen.volume : VolumeOptions{}),
+        T_world(T_world_first) {}
 
   [[nodiscard]] Status check(const SlamFrame& in) const;
   void prepare(const SlamFrame& in, const Context& context);
@@ -84,6 +97,7 @@ struct DepthSlam::Impl {
   void renew_keyframe(SlamState& state);
   void learn_share(const Alignment& found);
 
+  Status made;  // whether it was made with what it can work with
   Pinhole camera;
   SlamOptions options;
   VoxelVolume volume;
@@ -109,6 +123,7 @@ struct DepthSlam::Impl {
 };
 
 Status DepthSlam::Impl::check(const SlamFrame& in) const {
+  if (!made) return made;
   if (in.depth.empty()) {
     return fail(ErrorCode::kBadArgument, "the depth image is empty", "depth",
                 "Give one with pixels");

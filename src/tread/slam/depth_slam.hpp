@@ -86,6 +86,8 @@ struct SlamState {
 
 class DepthSlam {
  public:
+  // Options out of their range, a camera whose focal length is not above zero, and a first pose
+  // that is not rigid are errors of every track().
   explicit DepthSlam(const PinholeCamera& camera, const SlamOptions& options = {},
                      const Isometry3d& T_world_first = Isometry3d::Identity());
   ~DepthSlam();

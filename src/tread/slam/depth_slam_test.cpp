@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "rendered_scene.hpp"
 #include "tread/geometry/trajectory_error.hpp"
@@ -320,6 +321,46 @@ TEST(DepthSlam, FirstFrameWithoutDepthIsNoStart) {
   const auto second = slam.track({2, frame.depth, frame.grey});
   ASSERT_TRUE(second);
   EXPECT_EQ(second->status, TrackStatus::kFirst);
+}
+
+TEST(DepthSlam, WhatItIsMadeWithIsCheckedByTheFirstFrame) {
+  Image<float> depth(64, 48, 1.0F);
+  const auto refusal = [&](const PinholeCamera& camera, const SlamOptions& options,
+                           const Isometry3d& T_world_first = Isometry3d::Identity()) {
+    DepthSlam slam(camera, options, T_world_first);
+    EXPECT_EQ(slam.volume().size(), 0);
+    const auto state = slam.track({0, depth});
+    EXPECT_EQ(state.has_value(), slam.track({1, depth}).has_value()) << "and by the others";
+    return state ? std::string("taken") : state.error().where;
+  };
+  const PinholeCamera good{60.0, 60.0, 31.5, 23.5, 0.0};
+  EXPECT_EQ(refusal(good, {}), "taken");
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  for (const double bad : {0.0, -60.0, kNan, std::numeric_limits<double>::infinity()}) {
+    PinholeCamera camera = good;
+    camera.fx = bad;
+    EXPECT_EQ(refusal(camera, {}), "camera.fx");
+    camera = good;
+    camera.fy = bad;
+    EXPECT_EQ(refusal(camera, {}), "camera.fy");
+  }
+  PinholeCamera camera = good;
+  camera.cx = kNan;
+  EXPECT_EQ(refusal(camera, {}), "camera.cx");
+  const auto refused_option = [&](const auto& spoil) {
+    SlamOptions options;
+    spoil(options);
+    return refusal(good, options);
+  };
+  EXPECT_EQ(refused_option([](SlamOptions& o) { o.volume.voxel_m = 0.0; }), "volume.voxel_m");
+  EXPECT_EQ(refused_option([](SlamOptions& o) { o.volume.window_log2 = 60; }),
+            "volume.window_log2");
+  EXPECT_EQ(refused_option([](SlamOptions& o) { o.align.gate_m = -1.0; }), "align.gate_m");
+  EXPECT_EQ(refused_option([](SlamOptions& o) { o.least_matched = kNan; }), "least_matched");
+  EXPECT_EQ(refused_option([](SlamOptions& o) { o.photo_points = -5; }), "photo_points");
+  Isometry3d sheared = Isometry3d::Identity();
+  sheared.linear()(0, 1) = 0.5;
+  EXPECT_EQ(refusal(good, {}, sheared), "T_world_first");
 }
 
 }  // namespace

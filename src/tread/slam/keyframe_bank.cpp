@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 namespace tread {
 namespace {
 
-constexpr std::size_t kMostViews = 1000;
 constexpr double kNearM = 0.25, kNearRad = 15.0 * std::numbers::pi / 180.0;
 constexpr double kLeastLikeness = 0.3;
 
@@ -46,14 +46,27 @@ double likeness_of(const std::vector<float>& a, const std::vector<float>& b) {
 
 void KeyframeBank::add(const AlignFrame& frame, const DepthLevel& depth,
                        const Isometry3d& T_world_camera) {
-  if (!frame.has_grey() || views_.size() >= kMostViews) return;
+  if (!frame.has_grey()) return;
   for (const View& view : views_) {
     const Isometry3d between = view.T_world_camera.inverse() * T_world_camera;
     if (between.translation().norm() < kNearM && so3_log(between.linear()).norm() < kNearRad)
       return;
   }
+  if (views_.size() >= kMost) thin_out();
   const Image<float>& grey = frame.grey[2].intensity;
   views_.push_back({grey, depth.depth, depth.camera, T_world_camera, thumbnail_of(grey)});
+}
+
+// The first view of all stays.
+void KeyframeBank::thin_out() {
+  const std::size_t older = views_.size() / 2;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < views_.size(); ++i) {
+    if (i < older && i % 2 == 1) continue;
+    if (kept != i) views_[kept] = std::move(views_[i]);
+    ++kept;
+  }
+  views_.resize(kept);
 }
 
 std::vector<KeyframeBank::Candidate> KeyframeBank::find(const AlignFrame& frame,

@@ -18,11 +18,15 @@ class KeyframeBank {
     PhotoKeyframe key;                                   // of the place, at the coarsest level only
   };
 
-  // Keeps a view if none like it was kept from nearby. `depth` is that of the surface.
+  // Keeps a view if none like it was kept from nearby. `depth` is that of the surface. At kMost
+  // views every second one of the older half is dropped first, so that a long way stays known from
+  // its start, the more coarsely the longer ago it was.
   void add(const AlignFrame& frame, const DepthLevel& depth, const Isometry3d& T_world_camera);
   // Up to `most` places, the likeliest first; none for a frame without an image.
   [[nodiscard]] std::vector<Candidate> find(const AlignFrame& frame, std::size_t most) const;
   [[nodiscard]] std::size_t size() const { return views_.size(); }
+
+  static constexpr std::size_t kMost = 1000;
 
  private:
   struct View {
@@ -32,7 +36,8 @@ class KeyframeBank {
     Isometry3d T_world_camera = Isometry3d::Identity();
     std::vector<float> thumbnail;
   };
-  std::vector<View> views_;
+  void thin_out();
+  std::vector<View> views_;  // in the order in which they were added
 };
 
 }  // namespace tread

@@ -1,12 +1,14 @@
 # Tests of this module, built into tests/tread_tests.
 set(here ${CMAKE_CURRENT_LIST_DIR})
 target_sources(tread_tests PRIVATE
+  ${here}/align_kernel_test.cpp
   ${here}/align_test.cpp
   ${here}/depth_level_test.cpp
   ${here}/depth_slam_test.cpp
   ${here}/extract_mesh_test.cpp
   ${here}/fit_motion_test.cpp
   ${here}/integrate_test.cpp
+  ${here}/keyframe_bank_test.cpp
   ${here}/observability_test.cpp
   ${here}/ray_cast_test.cpp
   ${here}/refine_window_test.cpp

@@ -1,0 +1,38 @@
+// Internal to io: the tables of EuRoC/ASL folders, "stamp in ns,number,number,..." a line.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "tread/core/result.hpp"
+
+namespace tread::internal {
+
+constexpr std::size_t kMostCsvNumbers = 7;
+
+struct StampedRow {
+  std::int64_t stamp_ns = 0;  // not negative
+  int line = 0;
+  std::array<double, kMostCsvNumbers> numbers{};
+};
+
+struct CsvLayout {
+  std::size_t numbers = 0;    // that are read behind the stamp, all finite
+  bool more_columns = false;  // further ones may follow, whatever they are
+  const char* line = "";      // "time in ns, wx, wy", for messages
+  // What is wrong with numbers that were read; nothing if they are fine.
+  const char* (*wrong)(const StampedRow& row) = nullptr;
+};
+
+// The rows in strictly increasing order of time; lines that start with '#' are skipped. A line that
+// cannot be read, or whose time does not fit those around it (as few as possible are left out; of
+// two of one time the second), is left out: one entry in `problems` for each of the two kinds says
+// how many and names the first few. Without `problems` the first such line is the error of the
+// whole; so it is if no line is left.
+[[nodiscard]] Result<std::vector<StampedRow>> read_stamped_csv(const std::filesystem::path& path,
+                                                               const CsvLayout& layout,
+                                                               std::vector<Error>* problems);
+
+}  // namespace tread::internal
