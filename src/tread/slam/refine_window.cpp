@@ -3,10 +3,13 @@
 #include <ceres/loss_function.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
+#include <ceres/sphere_manifold.h>
 
 #include <algorithm>
+#include <deque>
 #include <memory>
 
+#include "tread/slam/inertial_cost.hpp"
 #include "tread/slam/pose_block.hpp"
 #include "tread/slam/sight_cost.hpp"
 
@@ -37,6 +40,125 @@ void forget_outliers(const RectifiedRig& rig, double limit_px,
   });
 }
 
+// The least-squares problem, and the memory its parameters live in.
+class WindowProblem {
+ public:
+  WindowProblem(const RectifiedRig& rig, double sigma_px, const WindowOptions& options,
+                std::vector<WindowFrame>& frames)
+      : rig_(rig), sigma_px_(sigma_px), options_(options), frames_(frames), problem_(borrowed()) {
+    const std::size_t n = frames.size(), free = static_cast<std::size_t>(options.free_keyframes);
+    // The oldest is never free: it says where the world is.
+    first_free_ = std::max<std::size_t>(1, n - std::min(n, free));
+    for (const WindowFrame& frame : frames) poses_.push_back(block_of(frame.T_world_camera));
+    for (std::size_t i = 0; i < n; ++i) {
+      problem_.AddParameterBlock(poses_[i].data(), 7, &pose_manifold_);
+      ordering_->AddElementToGroup(poses_[i].data(), 1);
+      if (i < first_free_) problem_.SetParameterBlockConstant(poses_[i].data());
+    }
+  }
+
+  // How many there were.
+  int add_sights(const std::vector<WindowPoint*>& points) {
+    const std::int64_t first_free_id = frames_[first_free_].id;
+    for (const WindowPoint* point : points) places_.push_back(point->p_world);
+    int count = 0;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const WindowPoint& point = *points[k];
+      if (point.seen.size() < 2 || point.seen.back().frame < first_free_id) continue;
+      for (const WindowPoint::Sighting& sighting : point.seen) {
+        const auto i = static_cast<std::size_t>(frame_of(frames_, sighting.frame) - frames_.data());
+        problem_.AddResidualBlock(new SightCost(rig_, sighting.sight, sigma_px_), &loss_,
+                                  poses_[i].data(), places_[k].data());
+        ++count;
+      }
+      ordering_->AddElementToGroup(places_[k].data(), 0);
+    }
+    return count;
+  }
+
+  void add_inertia(const WindowInertia& inertia) {
+    gravity_ = inertia.gravity_world;
+    for (const WindowFrame& frame : frames_) {
+      Motion& motion = motions_.emplace_back();
+      motion << frame.velocity_m_per_s, frame.bias.gyro_rad_per_s, frame.bias.accel_m_per_s2;
+    }
+    // Motions older than the free poses are known, unless there are no older ones.
+    const std::size_t first = first_free_ > 1 ? first_free_ - 1 : 0;
+    for (std::size_t i = first + 1; i < frames_.size(); ++i) {
+      if (!frames_[i].since) continue;
+      problem_.AddResidualBlock(new InertialCost(*frames_[i].since, inertia.T_camera_imu), nullptr,
+                                poses_[i - 1].data(), motions_[i - 1].data(), poses_[i].data(),
+                                motions_[i].data(), gravity_.data());
+      has_inertia_ = true;
+    }
+    if (!has_inertia_) return;
+    for (std::size_t i = first; i < frames_.size(); ++i) {
+      if (!problem_.HasParameterBlock(motions_[i].data())) continue;
+      ordering_->AddElementToGroup(motions_[i].data(), 1);
+      if (i < first_free_ && first_free_ > 1) {
+        problem_.SetParameterBlockConstant(motions_[i].data());
+      } else if (i == first || !frames_[i].since) {
+        problem_.AddResidualBlock(new BiasPriorCost(frames_[i].bias), nullptr, motions_[i].data());
+      }
+    }
+    problem_.SetManifold(gravity_.data(), &sphere_);
+    ordering_->AddElementToGroup(gravity_.data(), 1);
+    if (inertia.gravity_known) problem_.SetParameterBlockConstant(gravity_.data());
+  }
+
+  [[nodiscard]] bool solve() {
+    ceres::Solver::Options solving;
+    solving.linear_solver_type = ceres::DENSE_SCHUR;
+    solving.linear_solver_ordering = ordering_;
+    solving.max_num_iterations = options_.iterations;
+    solving.num_threads = 1;
+    solving.logging_type = ceres::SILENT;
+    solving.function_tolerance = 1e-4;
+    ceres::Solver::Summary summary;
+    ceres::Solve(solving, &problem_, &summary);
+    return summary.IsSolutionUsable();
+  }
+
+  void give(const std::vector<WindowPoint*>& points, WindowInertia* inertia) const {
+    for (std::size_t i = first_free_; i < frames_.size(); ++i) {
+      frames_[i].T_world_camera = pose_of(poses_[i]);
+    }
+    for (std::size_t k = 0; k < points.size(); ++k) points[k]->p_world = places_[k];
+    if (!has_inertia_) return;
+    inertia->gravity_world = gravity_;
+    for (std::size_t i = 0; i < frames_.size(); ++i) {
+      frames_[i].velocity_m_per_s = motions_[i].head<3>();
+      frames_[i].bias = {motions_[i].segment<3>(3), motions_[i].tail<3>()};
+    }
+  }
+
+ private:
+  using Motion = Eigen::Matrix<double, 9, 1>;
+  static ceres::Problem::Options borrowed() {
+    ceres::Problem::Options options;
+    options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    return options;
+  }
+
+  const RectifiedRig& rig_;
+  double sigma_px_;
+  const WindowOptions& options_;
+  std::vector<WindowFrame>& frames_;
+  std::size_t first_free_ = 1;
+  std::vector<PoseBlock> poses_;
+  std::vector<Eigen::Vector3d> places_;
+  std::deque<Motion> motions_;  // stay where they are when more come
+  Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();
+  bool has_inertia_ = false;
+  PoseManifold pose_manifold_;
+  ceres::SphereManifold<3> sphere_;
+  ceres::HuberLoss loss_{1.5};
+  std::shared_ptr<ceres::ParameterBlockOrdering> ordering_ =
+      std::make_shared<ceres::ParameterBlockOrdering>();
+  ceres::Problem problem_;
+};
+
 }  // namespace
 
 OptionSet describe(WindowOptions& options) {
@@ -50,63 +172,17 @@ OptionSet describe(WindowOptions& options) {
 
 bool refine_window(const RectifiedRig& rig, double sigma_px, const WindowOptions& options,
                    std::vector<WindowFrame>& frames, std::vector<WindowPoint*>& points,
-                   const Context& context) {
+                   WindowInertia* inertia, const Context& context) {
   const ScopedTimer timer(context, "odometry/refine");
   if (frames.size() < 2) return false;
   for (WindowPoint* point : points) forget_lost_frames(frames, *point);
-
-  std::vector<PoseBlock> poses;
-  for (const WindowFrame& frame : frames) poses.push_back(block_of(frame.T_world_camera));
-  std::vector<Eigen::Vector3d> places;
-  for (const WindowPoint* point : points) places.push_back(point->p_world);
-
-  ceres::Problem::Options borrowed;
-  borrowed.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  borrowed.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  PoseManifold manifold;
-  ceres::HuberLoss loss(1.5);
-  ceres::Problem problem(borrowed);
-  auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-  // The oldest is never free: it says where the world is.
-  const std::size_t n = frames.size();
-  const std::size_t first_free =
-      std::max<std::size_t>(1, n - std::min(n, static_cast<std::size_t>(options.free_keyframes)));
-  for (std::size_t i = 0; i < n; ++i) {
-    problem.AddParameterBlock(poses[i].data(), 7, &manifold);
-    ordering->AddElementToGroup(poses[i].data(), 1);
-    if (i < first_free) problem.SetParameterBlockConstant(poses[i].data());
-  }
-  const std::int64_t first_free_id = frames[first_free].id;
-  int rows = 0;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const WindowPoint& point = *points[k];
-    if (point.seen.size() < 2 || point.seen.back().frame < first_free_id) continue;
-    for (const WindowPoint::Sighting& sighting : point.seen) {
-      const auto i = static_cast<std::size_t>(frame_of(frames, sighting.frame) - frames.data());
-      problem.AddResidualBlock(new SightCost(rig, sighting.sight, sigma_px), &loss, poses[i].data(),
-                               places[k].data());
-      ++rows;
-    }
-    ordering->AddElementToGroup(places[k].data(), 0);
-  }
-  if (rows == 0) return false;
-  ceres::Solver::Options solving;
-  solving.linear_solver_type = ceres::DENSE_SCHUR;
-  solving.linear_solver_ordering = ordering;
-  solving.max_num_iterations = options.iterations;
-  solving.num_threads = 1;
-  solving.logging_type = ceres::SILENT;
-  solving.function_tolerance = 1e-4;
-  ceres::Solver::Summary summary;
-  ceres::Solve(solving, &problem, &summary);
-  if (!summary.IsSolutionUsable()) return false;
-
-  for (std::size_t i = first_free; i < n; ++i) frames[i].T_world_camera = pose_of(poses[i]);
+  WindowProblem problem(rig, sigma_px, options, frames);
+  if (problem.add_sights(points) == 0) return false;
+  if (inertia != nullptr) problem.add_inertia(*inertia);
+  if (!problem.solve()) return false;
+  problem.give(points, inertia);
   const double limit_px = options.outlier * sigma_px * 1.5;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    points[k]->p_world = places[k];
-    forget_outliers(rig, limit_px, frames, *points[k]);
-  }
+  for (WindowPoint* point : points) forget_outliers(rig, limit_px, frames, *point);
   return true;
 }
 

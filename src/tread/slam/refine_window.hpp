@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "tread/core/options.hpp"
 #include "tread/core/timer.hpp"
+#include "tread/slam/imu_preintegration.hpp"
 #include "tread/slam/stereo_sight.hpp"
 
 namespace tread {
@@ -24,6 +26,17 @@ struct WindowOptions {
 struct WindowFrame {
   std::int64_t id = 0;
   Isometry3d T_world_camera = Isometry3d::Identity();
+  // With an IMU only.
+  Eigen::Vector3d velocity_m_per_s = Eigen::Vector3d::Zero();  // of the IMU, in the world
+  ImuBias bias = {};
+  std::optional<ImuPreintegration> since = {};  // measured from the keyframe before to this one
+};
+
+// What the IMU needs besides to take part.
+struct WindowInertia {
+  Isometry3d T_camera_imu = Isometry3d::Identity();
+  Eigen::Vector3d gravity_world = {0.0, 0.0, -9.81};
+  bool gravity_known = false;  // else its direction is found as well
 };
 
 // A point and the keyframes that saw it, oldest first.
@@ -36,12 +49,13 @@ struct WindowPoint {
   std::vector<Sighting> seen;
 };
 
-// Moves the newest free_keyframes of `frames` (in order of id) and the points so that sights fit,
-// in least squares with Huber's loss; takes out of the points what does not fit then, and sights in
-// frames that are no longer there. Points with less than two sights are left as they are.
-// False if there was nothing to refine or the solver failed; all is then as it was.
+// Moves the newest free_keyframes of `frames` (in order of id) and the points so that sights, and
+// what an IMU measured between keyframes, fit: in least squares with Huber's loss for sights. Takes
+// out of the points what does not fit then, and sights in frames that are no longer there. Points
+// with less than two sights are left as they are. False if there was nothing to refine or the
+// solver failed; all is then as it was.
 bool refine_window(const RectifiedRig& rig, double sigma_px, const WindowOptions& options,
                    std::vector<WindowFrame>& frames, std::vector<WindowPoint*>& points,
-                   const Context& context);
+                   WindowInertia* inertia, const Context& context);
 
 }  // namespace tread

@@ -78,7 +78,7 @@ TEST(RefineWindow, FindsTheTruthWithoutNoise) {
   WindowOptions options;
   options.iterations = 30;
   ASSERT_GT(largest_error_m(made), 0.005);
-  ASSERT_TRUE(refine_window(rig_of_test(), 0.4, options, made.frames, points, {}));
+  ASSERT_TRUE(refine_window(rig_of_test(), 0.4, options, made.frames, points, nullptr, {}));
   EXPECT_LT(largest_error_m(made), 1e-5);
   EXPECT_EQ(made.frames.front().T_world_camera.matrix(), made.truth.front().matrix());
 }
@@ -89,7 +89,7 @@ TEST(RefineWindow, LessensNoise) {
     Made made = make(8, 0.3, 0.005, 0.02, seed);
     auto points = made.pointers();
     before += largest_error_m(made);
-    ASSERT_TRUE(refine_window(rig_of_test(), 0.4, {}, made.frames, points, {}));
+    ASSERT_TRUE(refine_window(rig_of_test(), 0.4, {}, made.frames, points, nullptr, {}));
     after += largest_error_m(made);
   }
   EXPECT_GT(before / 10, 0.007);
@@ -102,7 +102,7 @@ TEST(RefineWindow, OldKeyframesStayWhereTheyAre) {
   WindowOptions options;
   options.free_keyframes = 3;
   auto points = made.pointers();
-  ASSERT_TRUE(refine_window(rig_of_test(), 0.4, options, made.frames, points, {}));
+  ASSERT_TRUE(refine_window(rig_of_test(), 0.4, options, made.frames, points, nullptr, {}));
   for (std::size_t i = 0; i < made.frames.size(); ++i) {
     const bool same =
         made.frames[i].T_world_camera.matrix() == as_it_was.frames[i].T_world_camera.matrix();
@@ -118,7 +118,7 @@ TEST(RefineWindow, SightsThatDoNotFitAreForgottenAndDoNotHurt) {
     if (k % 10 == 0 && made.points[k].seen.size() > 3) made.points[k].seen[2].sight.u += 12.0;
   }
   auto points = made.pointers();
-  ASSERT_TRUE(refine_window(rig_of_test(), 0.4, {}, made.frames, points, {}));
+  ASSERT_TRUE(refine_window(rig_of_test(), 0.4, {}, made.frames, points, nullptr, {}));
   EXPECT_LT(largest_error_m(made), 0.004);
   std::size_t left = 0;
   for (const WindowPoint& point : made.points) left += point.seen.size();
@@ -130,14 +130,14 @@ TEST(RefineWindow, ForgetsFramesThatAreGoneAndRefusesWhatIsTooLittle) {
   Made made = make(5, 0.2, 0.003, 0.01, 5);
   auto points = made.pointers();
   made.frames.erase(made.frames.begin());
-  ASSERT_TRUE(refine_window(rig_of_test(), 0.4, {}, made.frames, points, {}));
+  ASSERT_TRUE(refine_window(rig_of_test(), 0.4, {}, made.frames, points, nullptr, {}));
   for (const WindowPoint& point : made.points) {
     for (const auto& sighting : point.seen) EXPECT_GE(sighting.frame, 11);
   }
   std::vector<WindowFrame> one(made.frames.begin(), made.frames.begin() + 1);
-  EXPECT_FALSE(refine_window(rig_of_test(), 0.4, {}, one, points, {}));
+  EXPECT_FALSE(refine_window(rig_of_test(), 0.4, {}, one, points, nullptr, {}));
   std::vector<WindowPoint*> none;
-  EXPECT_FALSE(refine_window(rig_of_test(), 0.4, {}, made.frames, none, {}));
+  EXPECT_FALSE(refine_window(rig_of_test(), 0.4, {}, made.frames, none, nullptr, {}));
 }
 
 }  // namespace

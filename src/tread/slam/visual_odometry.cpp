@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tread/slam/corner_track.hpp"
+#include "tread/slam/inertial_track.hpp"
 
 namespace tread {
 namespace {
@@ -36,6 +37,8 @@ OptionSet describe(OdometryOptions& options) {
           "a new keyframe if a smaller part of the last one's points is left", 0.0, 1.0);
   set.add("key_flow", options.key_flow, "or if they have moved so far, part of the image's width",
           0.0, 1.0);
+  set.add("key_interval_s", options.key_interval_s, "or after so long, with an IMU, s", 0.05, 10.0);
+  set.add("hold_s", options.hold_s, "so long the IMU alone is believed, s", 0.0, 60.0);
   return set;
 }
 
@@ -54,8 +57,18 @@ const char* name_of(OdometryStatus status) {
 }
 
 struct VisualOdometry::Impl {
-  Impl(const RectifiedRig& with, const OdometryOptions& chosen, const Isometry3d& T_world_first)
-      : rig(with), options(chosen), tracker(chosen.corners), T_world(T_world_first) {}
+  Impl(const RectifiedRig& with, const OdometryOptions& chosen, const Isometry3d& T_world_first,
+       const std::optional<Imu>& imu)
+      : rig(with), options(chosen), tracker(chosen.corners), T_world(T_world_first) {
+    if (imu) inertia.emplace(*imu);
+  }
+
+  // Where the camera should be by now, and how well that is known.
+  struct Prediction {
+    Isometry3d T_world_camera = Isometry3d::Identity();
+    Matrix6d information = Matrix6d::Zero();
+    bool holds = false;  // good enough to go on without seeing anything
+  };
 
   // Tracks found again, by their index.
   struct Found {
@@ -64,13 +77,14 @@ struct VisualOdometry::Impl {
   };
 
   [[nodiscard]] Status check(const OdometryFrame& in) const;
-  [[nodiscard]] Isometry3d predict(const OdometryFrame& in) const;
+  [[nodiscard]] Prediction predict(const OdometryFrame& in) const;
   [[nodiscard]] Found follow(const Isometry3d& T_predicted, const Context& context);
-  [[nodiscard]] MotionFit fit(const OdometryFrame& in, const Isometry3d& T_predicted,
-                              const Found& found, const Context& context) const;
+  [[nodiscard]] MotionFit fit(const Prediction& predicted, const Found& found,
+                              const Context& context) const;
   void keep(const Found& found, const MotionFit& fit);
-  [[nodiscard]] bool needs_keyframe() const;
+  [[nodiscard]] bool needs_keyframe(std::int64_t now_ns) const;
   void add_keyframe(const StereoView& view, const Context& context);
+  void add_inertia();
   void start_anew(const StereoView& view, const Context& context);
   void find_points(const StereoView& view, const Context& context);
   void leave(CornerTrack& track) {
@@ -90,8 +104,10 @@ struct VisualOdometry::Impl {
   // keyframes would hang on the few points that are still in view.
   std::vector<WindowPoint> left_behind;
   std::vector<WindowFrame> keyframes;
+  std::optional<InertialTrack> inertia;
   std::int64_t next_key = 0;
-  std::size_t at_key = 0;  // tracks that the last keyframe had
+  std::int64_t key_ns = 0;  // when the last one was made
+  std::size_t at_key = 0;   // tracks that the last keyframe had
   std::uint64_t frames = 0;
 };
 
@@ -112,11 +128,25 @@ Status VisualOdometry::Impl::check(const OdometryFrame& in) const {
   return {};
 }
 
-Isometry3d VisualOdometry::Impl::predict(const OdometryFrame& in) const {
-  if (in.motion) return T_world * in.motion->T_before_now;
+VisualOdometry::Impl::Prediction VisualOdometry::Impl::predict(const OdometryFrame& in) const {
+  Prediction prediction;
+  if (in.motion) {
+    prediction.T_world_camera = T_world * in.motion->T_before_now;
+    prediction.information = in.motion->covariance.inverse();
+    prediction.holds = true;
+    return prediction;
+  }
   const double dt = static_cast<double>(in.stamp_ns - stamp_ns) * 1e-9;
-  if (dt > kLongestStep_s) return T_world;
-  return T_world * se3_exp(Vector6d(velocity * dt));
+  prediction.T_world_camera =
+      dt > kLongestStep_s ? T_world : T_world * se3_exp(Vector6d(velocity * dt));
+  if (!inertia || keyframes.empty()) return prediction;
+  const auto by_imu = inertia->predict(keyframes.back(), T_world, prediction.T_world_camera);
+  if (!by_imu) return prediction;
+  prediction.T_world_camera = by_imu->T_world_camera;
+  prediction.information = by_imu->information;
+  prediction.holds =
+      by_imu->holds && static_cast<double>(in.stamp_ns - placed_ns) * 1e-9 < options.hold_s;
+  return prediction;
 }
 
 // Finds the points again, in both images.
@@ -145,16 +175,15 @@ VisualOdometry::Impl::Found VisualOdometry::Impl::follow(const Isometry3d& T_pre
   return found;
 }
 
-MotionFit VisualOdometry::Impl::fit(const OdometryFrame& in, const Isometry3d& T_predicted,
-                                    const Found& found, const Context& context) const {
+MotionFit VisualOdometry::Impl::fit(const Prediction& predicted, const Found& found,
+                                    const Context& context) const {
   const ScopedTimer timer(context, "odometry/fit");
   std::vector<SeenPoint> points;
   for (std::size_t k = 0; k < found.index.size(); ++k) {
     points.push_back({tracks[found.index[k]].point.p_world, found.sights[k]});
   }
-  Matrix6d information = Matrix6d::Zero();
-  if (in.motion) information = in.motion->covariance.inverse();
-  return fit_motion(rig, points, T_predicted, information, options.fit, frames);
+  return fit_motion(rig, points, predicted.T_world_camera, predicted.information, options.fit,
+                    frames);
 }
 
 // Goes on with the tracks that agree with the pose.
@@ -174,7 +203,8 @@ void VisualOdometry::Impl::keep(const Found& found, const MotionFit& fit) {
   T_world = fit.T_world_camera;
 }
 
-bool VisualOdometry::Impl::needs_keyframe() const {
+bool VisualOdometry::Impl::needs_keyframe(std::int64_t now_ns) const {
+  if (inertia && static_cast<double>(now_ns - key_ns) * 1e-9 >= options.key_interval_s) return true;
   if (static_cast<double>(tracks.size()) < options.key_share * static_cast<double>(at_key)) {
     return true;
   }
@@ -213,6 +243,7 @@ void VisualOdometry::Impl::add_keyframe(const StereoView& view, const Context& c
   const WindowOptions& window = options.window;
   const auto most = static_cast<std::size_t>(window.free_keyframes + window.fixed_keyframes);
   keyframes.push_back({next_key++, T_world});
+  if (inertia) add_inertia();
   if (keyframes.size() > most) keyframes.erase(keyframes.begin());
   const std::int64_t key = keyframes.back().id;
   std::vector<WindowPoint*> points;
@@ -221,7 +252,8 @@ void VisualOdometry::Impl::add_keyframe(const StereoView& view, const Context& c
     points.push_back(&track.point);
   }
   for (WindowPoint& point : left_behind) points.push_back(&point);
-  if (refine_window(rig, options.fit.sigma_px, window, keyframes, points, context)) {
+  if (refine_window(rig, options.fit.sigma_px, window, keyframes, points,
+                    inertia ? inertia->window() : nullptr, context)) {
     T_world = keyframes.back().T_world_camera;
     // Points whose last sight did not fit are not followed on.
     std::erase_if(tracks, [&](CornerTrack& track) {
@@ -231,22 +263,49 @@ void VisualOdometry::Impl::add_keyframe(const StereoView& view, const Context& c
     });
   }
   std::erase_if(left_behind, [](const WindowPoint& point) { return point.seen.size() < 2; });
+  if (inertia) {
+    inertia->start(keyframes);
+    inertia->at_keyframe(keyframes.back());
+  }
   find_points(view, context);
   for (CornerTrack& track : tracks) track.at_key = {track.sight.u, track.sight.v};
   at_key = tracks.size();
   tracker.keep();
 }
 
+// What the IMU knows of the newest keyframe.
+void VisualOdometry::Impl::add_inertia() {
+  if (keyframes.size() < 2) return;
+  const WindowFrame& before = keyframes[keyframes.size() - 2];
+  WindowFrame& key = keyframes.back();
+  key.bias = before.bias;
+  key.velocity_m_per_s = before.velocity_m_per_s;
+  if (const ImuPreintegration* since = inertia->since_key()) key.since = *since;
+  if (const auto now = inertia->predict(before, before.T_world_camera, T_world)) {
+    key.velocity_m_per_s = now->velocity_m_per_s;
+  }
+}
+
 void VisualOdometry::Impl::start_anew(const StereoView& view, const Context& context) {
   tracks.clear();
   left_behind.clear();
+  // The velocity goes on, as the IMU has it.
+  WindowFrame next;
+  if (inertia && !keyframes.empty()) {
+    keyframes.push_back({next_key, T_world});
+    add_inertia();
+    next = keyframes.back();
+  }
   keyframes.clear();
   add_keyframe(view, context);
+  keyframes.back().velocity_m_per_s = next.velocity_m_per_s;
+  keyframes.back().bias = next.bias;
+  if (inertia) inertia->at_keyframe(keyframes.back());
 }
 
 VisualOdometry::VisualOdometry(const RectifiedRig& rig, const OdometryOptions& options,
-                               const Isometry3d& T_world_first)
-    : impl_(std::make_unique<Impl>(rig, options, T_world_first)) {}
+                               const Isometry3d& T_world_first, const std::optional<Imu>& imu)
+    : impl_(std::make_unique<Impl>(rig, options, T_world_first, imu)) {}
 VisualOdometry::~VisualOdometry() = default;
 VisualOdometry::VisualOdometry(VisualOdometry&&) noexcept = default;
 VisualOdometry& VisualOdometry::operator=(VisualOdometry&&) noexcept = default;
@@ -266,6 +325,7 @@ Result<OdometryState> VisualOdometry::track(const OdometryFrame& in, const Conte
   if (!odometry.started) {
     odometry.start_anew(view, context);
     odometry.started = state.keyframe = has_points();
+    odometry.key_ns = in.stamp_ns;
     if (odometry.started) state.status = OdometryStatus::kFirst;
     state.T_world_camera = odometry.T_world;
     state.covariance.setZero();
@@ -273,9 +333,10 @@ Result<OdometryState> VisualOdometry::track(const OdometryFrame& in, const Conte
     return state;
   }
   const Isometry3d T_before = odometry.T_world;
-  const Isometry3d T_predicted = odometry.predict(in);
-  const Impl::Found found = odometry.follow(T_predicted, context);
-  const MotionFit fit = odometry.fit(in, T_predicted, found, context);
+  if (odometry.inertia) odometry.inertia->advance(in.imu, odometry.stamp_ns, in.stamp_ns);
+  const Impl::Prediction predicted = odometry.predict(in);
+  const Impl::Found found = odometry.follow(predicted.T_world_camera, context);
+  const MotionFit fit = odometry.fit(predicted, found, context);
   state.followed = static_cast<int>(found.index.size());
   state.inliers = fit.inliers;
   state.rms_px = fit.rms_px;
@@ -284,18 +345,20 @@ Result<OdometryState> VisualOdometry::track(const OdometryFrame& in, const Conte
     state.covariance = fit.covariance;
     odometry.keep(found, fit);
     odometry.placed_ns = in.stamp_ns;
-    state.keyframe = odometry.needs_keyframe();
+    state.keyframe = odometry.needs_keyframe(in.stamp_ns);
     if (state.keyframe) odometry.add_keyframe(view, context);
   } else {
-    state.status = in.motion ? OdometryStatus::kHeld : OdometryStatus::kLost;
-    if (in.motion) state.covariance = in.motion->covariance;
-    odometry.T_world = T_predicted;
+    state.status = predicted.holds ? OdometryStatus::kHeld : OdometryStatus::kLost;
+    if (predicted.holds) state.covariance = predicted.information.inverse();
+    odometry.T_world = predicted.T_world_camera;
     if (static_cast<double>(in.stamp_ns - odometry.placed_ns) * 1e-9 > kPatience_s) {
       odometry.start_anew(view, context);
       state.keyframe = state.restarted = has_points();
       if (state.restarted) odometry.placed_ns = in.stamp_ns;
     }
   }
+  if (state.keyframe) odometry.key_ns = in.stamp_ns;
+  state.inertial = odometry.inertia && odometry.inertia->started();
   state.T_world_camera = odometry.T_world;
   state.T_before_now = T_before.inverse() * odometry.T_world;
   const double dt = static_cast<double>(in.stamp_ns - odometry.stamp_ns) * 1e-9;

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "tread/core/image.hpp"
 #include "tread/core/options.hpp"
@@ -29,8 +30,10 @@ struct OdometryOptions {
   WindowOptions window;
   double nearest_m = 0.3;           // points nearer than that are not looked for
   double least_disparity_px = 0.8;  // nor those farther than where this is seen
-  double key_share = 0.75;  // a new keyframe if a smaller part of the last one's points is left
-  double key_flow = 0.04;   // or if they have moved so far, part of the image's width
+  double key_share = 0.75;      // a new keyframe if a smaller part of the last one's points is left
+  double key_flow = 0.04;       // or if they have moved so far, part of the image's width
+  double key_interval_s = 0.5;  // or after so long, with an IMU
+  double hold_s = 1.5;          // so long the IMU alone is believed
   [[nodiscard]] bool operator==(const OdometryOptions&) const = default;
 };
 [[nodiscard]] OptionSet describe(OdometryOptions& options);
@@ -40,14 +43,15 @@ struct OdometryFrame {
   ImageView<const std::uint8_t> left;   // rectified, of the rig's size
   ImageView<const std::uint8_t> right;  // likewise
   std::optional<MotionPrior> motion = {};
+  std::span<const ImuSample> imu = {};  // since the frame before, if an IMU was given
 };
 
 enum class OdometryStatus {
   kFirst,    // the first pair with anything to see
   kTracked,  // the pose was fitted to points seen before
-  kHeld,     // nothing fitted: the pose is what the motion prior says
-  kLost,     // nor was there a prior: the pose is a guess. Points seen before are looked for a
-             // second long; then it starts anew from the guess
+  kHeld,     // nothing fitted: the pose is what the IMU or the motion prior says
+  kLost,     // nor did these: the pose is a guess. Points seen before are looked for a second
+             // long; then it starts anew from the guess
 };
 [[nodiscard]] const char* name_of(OdometryStatus status);
 
@@ -62,14 +66,19 @@ struct OdometryState {
   int inliers = 0;   // of these, that agree on the pose
   double rms_px = 0.0;
   bool keyframe = false;
+  bool inertial = false;   // the IMU takes part
   bool restarted = false;  // from here on poses hang together with those before by a guess only
   [[nodiscard]] bool placed() const { return status != OdometryStatus::kLost; }
 };
 
 class VisualOdometry {
  public:
+  // With an IMU, whose T_imu_left is of the rectified camera, frames bring its samples: it tells
+  // the turn from the first frame on, and after a second or two, when gravity and velocity are
+  // found, takes part in all (Forster et al. 2017). See level_camera() for a world with z up.
   explicit VisualOdometry(const RectifiedRig& rig, const OdometryOptions& options = {},
-                          const Isometry3d& T_world_first = Isometry3d::Identity());
+                          const Isometry3d& T_world_first = Isometry3d::Identity(),
+                          const std::optional<Imu>& imu = {});
   ~VisualOdometry();
   VisualOdometry(VisualOdometry&&) noexcept;
   VisualOdometry& operator=(VisualOdometry&&) noexcept;
