@@ -3,6 +3,7 @@ set(here ${CMAKE_CURRENT_LIST_DIR})
 target_sources(tread_tests PRIVATE
   ${here}/align_kernel_test.cpp
   ${here}/align_test.cpp
+  ${here}/corner_tracker_test.cpp
   ${here}/depth_level_test.cpp
   ${here}/depth_slam_test.cpp
   ${here}/extract_mesh_test.cpp
@@ -13,5 +14,6 @@ target_sources(tread_tests PRIVATE
   ${here}/observability_test.cpp
   ${here}/ray_cast_test.cpp
   ${here}/refine_window_test.cpp
+  ${here}/visual_odometry_test.cpp
   ${here}/voxel_volume_test.cpp
   ${PROJECT_SOURCE_DIR}/bench/rendered_scene.cpp)
