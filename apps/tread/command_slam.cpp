@@ -12,7 +12,7 @@
 #include "tread/io/image_file.hpp"
 #include "tread/io/mesh_file.hpp"
 #include "tread/io/trajectory_file.hpp"
-#include "tread/pipeline/depth_frames.hpp"
+#include "tread/pipeline/slam_pipeline.hpp"
 #include "tread/slam/extract_mesh.hpp"
 
 namespace tread {
@@ -30,21 +30,16 @@ struct SlamSettings {
   ImageReading images;
   StereoOptions stereo;
   DepthOptions depth{0.3, 200.0};
-  SlamOptions slam;
+  SlamPipelineOptions pipeline;
   MeshOptions mesh;
-  bool auto_scale = true;
 };
 
 OptionSet describe(SlamSettings& settings) {
-  OptionSet set = describe(settings.slam);
+  OptionSet set = describe(settings.pipeline);
   set.add_group("images", describe(settings.images));
   set.add_group("stereo", describe(settings.stereo));
   set.add_group("depth", describe(settings.depth));
   set.add_group("mesh", describe(settings.mesh));
-  set.add_automatic("auto_scale", settings.auto_scale,
-                    "with stereo, voxels, range and gates that fit what the rig can see; off where "
-                    "volume.voxel_m is given alone",
-                    "volume.voxel_m");
   return set;
 }
 
@@ -72,24 +67,6 @@ SlamOptions paper_q_slam_options() {
   return o;
 }
 
-// A stereo rig sees as far as its baseline lets it: a four-hundredth of that is a voxel.
-void scale_to_rig(const DepthFrames& frames, const OptionSet& options, SlamSettings& settings) {
-  SlamOptions& slam = settings.slam;
-  if (!frames.noise()) return;
-  const auto set = [&](const char* name, double& value, double to) {
-    if (!options.given(name)) value = to;
-  };
-  set("noise.constant_m", slam.noise.constant_m, frames.noise()->constant_m);
-  set("noise.quadratic_per_m", slam.noise.quadratic_per_m, frames.noise()->quadratic_per_m);
-  if (!settings.auto_scale) return;
-  const double range = *frames.range_m();
-  slam.volume.voxel_m = std::clamp(range / 400.0, 0.005, 0.2);
-  set("integrate.farthest_m", slam.integrate.farthest_m, range);
-  set("integrate.reference_m", slam.integrate.reference_m, range / 5.0);
-  set("align.gate_m", slam.align.gate_m, std::max(0.1, 10.0 * slam.volume.voxel_m));
-  set("speed_sigma_m_per_s", slam.speed_sigma_m_per_s, std::max(1.0, range / 8.0));
-}
-
 double process_cpu_ms() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -105,7 +82,7 @@ double peak_memory_mb() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-void track_frames(DepthFrames& frames, DepthSlam& slam, const Context& context,
+void track_frames(DepthFrames& frames, SlamPipeline& pipeline, const Context& context,
                   const CommonOptions& common, SlamRun& run) {
   Progress progress("tracking", frames.frame_count(), common.json);
   const int kept = frames.frame_count() / 2;
@@ -129,24 +106,25 @@ void track_frames(DepthFrames& frames, DepthSlam& slam, const Context& context,
     if (!*frame) break;
     ++run.frames;
     const auto start = std::chrono::steady_clock::now();
-    const auto state =
-        slam.track({(*frame)->stamp_ns, (*frame)->depth, (*frame)->grey, (*frame)->rgb}, context);
+    const auto step = pipeline.step(frames, **frame, context);
     const std::chrono::duration<double, std::milli> spent =
         std::chrono::steady_clock::now() - start;
     run.track_ms += spent.count();
-    if (!state) {
-      Error error = state.error();
+    if (!step) {
+      Error error = step.error();
       error.where = (*frame)->name + ": " + error.where;
       run.problems.push_back(error);
       continue;
     }
-    run.states.push_back(*state);
-    if (state->mapped()) {
+    const SlamState& state = step->slam;
+    run.states.push_back(state);
+    if (step->odometry) run.odometry.push_back(*step->odometry);
+    if (state.mapped()) {
       if (!run.trajectory.empty()) {
         run.path_m +=
-            (state->T_world_camera.translation() - run.trajectory.back().pose.translation()).norm();
+            (state.T_world_camera.translation() - run.trajectory.back().pose.translation()).norm();
       }
-      run.trajectory.push_back({state->stamp_ns, state->T_world_camera});
+      run.trajectory.push_back({state.stamp_ns, state.T_world_camera});
     }
     if (i <= kept) run.sample = std::move(**frame);
   }
@@ -182,6 +160,21 @@ void summarise(const SlamRun& run, Output& output) {
       count_of(run, TrackStatus::kTracked) + count_of(run, TrackStatus::kFirst),
       count_of(run, TrackStatus::kHeld), count_of(run, TrackStatus::kUnobservable),
       count_of(run, TrackStatus::kLost), run.path_m));
+  if (!run.odometry.empty()) {
+    const auto of = [&](OdometryStatus status) {
+      return std::count_if(run.odometry.begin(), run.odometry.end(),
+                           [status](const OdometryState& o) { return o.status == status; });
+    };
+    const auto inertial = std::count_if(run.odometry.begin(), run.odometry.end(),
+                                        [](const OdometryState& o) { return o.inertial; });
+    values["odometry"] = {{"tracked", of(OdometryStatus::kTracked)},
+                          {"held", of(OdometryStatus::kHeld)},
+                          {"lost", of(OdometryStatus::kLost)},
+                          {"inertial", inertial}};
+    output.line(fmt::format("odometry: {} fitted, {} held, {} lost; IMU in {}",
+                            of(OdometryStatus::kTracked), of(OdometryStatus::kHeld),
+                            of(OdometryStatus::kLost), inertial));
+  }
   output.line(fmt::format("{:.1f} ms a frame, {} triangles, {:.0f} MiB", run.track_ms / frames,
                           run.mesh.triangles.size(), run.peak_memory_mb));
   if (run.absolute) {
@@ -199,6 +192,11 @@ Status write_results(const SlamArguments& arguments, const SlamOptions& options,
   };
   Status s = add("trajectory.tum",
                  [&](const fs::path& p) { return write_tum_trajectory(p, run.trajectory); });
+  if (s && run.T_camera_imu) {
+    Trajectory body = run.trajectory;
+    for (StampedPose& pose : body) pose.pose = pose.pose * *run.T_camera_imu;
+    s = add("trajectory_imu.tum", [&](const fs::path& p) { return write_tum_trajectory(p, body); });
+  }
   if (s) s = add("mesh.ply", [&](const fs::path& p) { return write_ply(p, run.mesh); });
   if (s) {
     s = add("tracking.csv", [&](const fs::path& p) { return write_file(p, tracking_csv(run)); });
@@ -216,7 +214,10 @@ Status write_results(const SlamArguments& arguments, const SlamOptions& options,
 
 int run_slam(const SlamArguments& arguments) {
   SlamSettings settings;
-  if (arguments.profile == "paper-q") settings.slam = paper_q_slam_options();
+  if (arguments.profile == "paper-q") {
+    settings.pipeline.slam = paper_q_slam_options();
+    settings.pipeline.use_odometry = false;
+  }
   OptionSet options = describe(settings);
   if (Status s = apply_settings(arguments.common, options); !s) return print_error(s.error());
   if (arguments.common.print_config) {
@@ -231,8 +232,8 @@ int run_slam(const SlamArguments& arguments) {
   reading.depth = settings.depth;
   auto frames = DepthFrames::open(arguments.source, reading);
   if (!frames) return print_error(frames.error());
-  scale_to_rig(*frames, options, settings);
-  if (Status s = check_options(settings.slam); !s) return print_error(s.error());
+  settings.pipeline = fit_to_rig(*frames, settings.pipeline, &options);
+  if (Status s = check_options(settings.pipeline); !s) return print_error(s.error());
   if (Status s = prepare_output(arguments.common); !s) return print_error(s.error());
 
   SlamRun run;
@@ -242,11 +243,10 @@ int run_slam(const SlamArguments& arguments) {
   output.values["command"] = "slam";
   output.line(fmt::format("{}: {}", run.kind,
                           frames_text(static_cast<std::size_t>(frames->frame_count()))));
-  // x ahead, y left, z up, if the first camera is level.
-  Isometry3d first = Isometry3d::Identity();
-  first.linear() = R_body_optical();
-  DepthSlam slam(frames->camera(), settings.slam, first);
-  track_frames(*frames, slam, context, arguments.common, run);
+  SlamPipeline pipeline(*frames, settings.pipeline);
+  track_frames(*frames, pipeline, context, arguments.common, run);
+  run.T_camera_imu =
+      frames->imu() ? std::optional(frames->imu()->T_imu_left.inverse()) : std::nullopt;
   const std::vector<Error>& notices = frames->problems();
   const std::size_t noticed = notices.size();
   run.problems.insert(run.problems.begin(), notices.begin(), notices.end());
@@ -256,9 +256,10 @@ int run_slam(const SlamArguments& arguments) {
                         fmt::format("none of {} could be placed", frames_text(run.frames)),
                         arguments.source, "Likely there is no depth in them: see tread info"});
   }
-  run.mesh = extract_mesh(slam.volume(), settings.mesh);
-  run.volume_bytes = slam.volume().bytes();
-  run.refused_blocks = slam.volume().refused();
+  const VoxelVolume& volume = pipeline.slam().volume();
+  run.mesh = extract_mesh(volume, settings.mesh);
+  run.volume_bytes = volume.bytes();
+  run.refused_blocks = volume.refused();
   if (run.refused_blocks > 0) {
     run.problems.push_back({ErrorCode::kTooLarge,
                             fmt::format("{} blocks of voxels found no room", run.refused_blocks),
@@ -278,7 +279,7 @@ int run_slam(const SlamArguments& arguments) {
   summarise(run, output);
   output.values["timings"] = json_of(run.timings);
   if (arguments.common.output) {
-    if (Status s = write_results(arguments, settings.slam, run, output); !s) {
+    if (Status s = write_results(arguments, settings.pipeline.slam, run, output); !s) {
       return print_error(s.error());
     }
   }
@@ -335,7 +336,10 @@ void add_slam_command(CLI::App& app, int& status, const std::string& command_lin
       "  tread slam rgbd_dataset_freiburg1_desk -o out/desk\n"
       "  tread slam seq-01 --set volume.voxel_m=0.005 -o out/kitchen\n"
       "  tread slam kitti/sequences/07 --method sgm -o out/street\n"
-      "Writes trajectory.tum (frames that were placed), mesh.ply, tracking.csv (what each\n"
+      "Pairs are first followed by visual odometry, with the IMU if the folder brings one "
+      "(EuRoC).\n"
+      "Writes trajectory.tum (frames that were placed; with an IMU also its own,\n"
+      "trajectory_imu.tum), mesh.ply, tracking.csv (what each\n"
       "frame said of itself), picture_path.png and report.html. Reference poses are only\n"
       "compared with, never used.");
   command->callback([arguments, &status] { status = run_slam(*arguments); });

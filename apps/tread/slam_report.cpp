@@ -112,18 +112,27 @@ std::size_t count_of(const SlamRun& run, TrackStatus status) {
 }
 
 std::string tracking_csv(const SlamRun& run) {
+  const bool has_odometry = run.odometry.size() == run.states.size();
   std::string text =
       "time_s,status,matched,depth_rms_sigma,grey_rms,unknown_directions,worst_m,"
-      "sigma_x_m,sigma_y_m,sigma_z_m,sigma_roll_rad,sigma_pitch_rad,sigma_yaw_rad,keyframe\n";
-  for (const SlamState& s : run.states) {
+      "sigma_x_m,sigma_y_m,sigma_z_m,sigma_roll_rad,sigma_pitch_rad,sigma_yaw_rad,keyframe";
+  text += has_odometry ? ",odometry,points,inliers,rms_px,inertial\n" : "\n";
+  for (std::size_t i = 0; i < run.states.size(); ++i) {
+    const SlamState& s = run.states[i];
     const Vector6d sigma = s.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
     text += fmt::format(
         "{:.9f},{},{:.4f},{:.3f},{:.2f},{},{:.6f},{:.6g},{:.6g},{:.6g},{:.6g},"
-        "{:.6g},{:.6g},{}\n",
+        "{:.6g},{:.6g},{}",
         1e-9 * static_cast<double>(s.stamp_ns), name_of(s.status), matched_share(s),
         s.alignment.depth_rms, s.alignment.grey_rms, s.alignment.observability.unknown.cols(),
         s.alignment.observability.worst_m, sigma(0), sigma(1), sigma(2), sigma(3), sigma(4),
         sigma(5), s.keyframe ? 1 : 0);
+    if (has_odometry) {
+      const OdometryState& o = run.odometry[i];
+      text += fmt::format(",{},{},{},{:.3f},{}", name_of(o.status), o.followed, o.inliers, o.rms_px,
+                          o.inertial ? 1 : 0);
+    }
+    text += '\n';
   }
   return text;
 }

@@ -10,14 +10,17 @@
 #include "tread/geometry/samples.hpp"
 #include "tread/geometry/trajectory_error.hpp"
 #include "tread/slam/depth_slam.hpp"
+#include "tread/slam/visual_odometry.hpp"
 
 namespace tread {
 
 struct SlamRun {
   std::string kind;
-  std::vector<SlamState> states;  // of the frames that could be read
-  Trajectory trajectory;          // of those that were placed
-  std::size_t frames = 0;         // also those that could not be read
+  std::vector<SlamState> states;           // of the frames that could be read
+  std::vector<OdometryState> odometry;     // of the same, if they were pairs
+  std::optional<Isometry3d> T_camera_imu;  // if there is an IMU
+  Trajectory trajectory;                   // of those that were placed
+  std::size_t frames = 0;                  // also those that could not be read
   std::vector<Error> problems;
   double path_m = 0.0;
   double track_ms = 0.0, cpu_ms = 0.0;  // of all frames; cpu: also reading

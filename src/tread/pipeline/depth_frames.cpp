@@ -44,8 +44,12 @@ Status DepthFrames::prepare_stereo() {
     rig_ = rectification_->rig;
     T_left_camera_.linear() = rectification_->R_rectified_left.transpose();
   }
-  camera_ = {rig_.fx_px, rig_.fy_px, rig_.cx_px, rig_.cy_px, 0.0};
-  noise_ = stereo_noise(rig_.fx_px, rig_.baseline_m, kSigmaDisparityPx);
+  camera_ = {rig_->fx_px, rig_->fy_px, rig_->cx_px, rig_->cy_px, 0.0};
+  noise_ = stereo_noise(rig_->fx_px, rig_->baseline_m, kSigmaDisparityPx);
+  if (rig.imu && pairs_->has_imu()) {
+    imu_ = rig.imu;
+    imu_->T_imu_left = imu_->T_imu_left * T_left_camera_;
+  }
   return {};
 }
 
@@ -82,6 +86,7 @@ Result<std::optional<RgbdFrame>> DepthFrames::next_pair(const Context& context) 
   RgbdFrame out;
   out.stamp_ns = in.stamp_ns;
   out.name = in.name;
+  samples_ = std::move(in.imu);
   if (rectification_) {
     left_.resize(in.left.width, in.left.height);
     right_.resize(in.right.width, in.right.height);
@@ -105,7 +110,7 @@ Result<std::optional<RgbdFrame>> DepthFrames::next_pair(const Context& context) 
   }
   const auto disparity = matcher_.match(left_, right_, options_.stereo, context);
   if (!disparity) return forward(disparity);
-  depth_image(*disparity, rig_, options_.depth, out.depth, context);
+  depth_image(*disparity, *rig_, options_.depth, out.depth, context);
   out.grey = left_;
   if (in.T_world_left) {
     out.T_world_camera = *in.T_world_left * T_left_camera_;

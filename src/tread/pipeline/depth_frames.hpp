@@ -5,7 +5,9 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "tread/geometry/rectification.hpp"
 #include "tread/io/rgbd_source.hpp"
@@ -39,6 +41,16 @@ class DepthFrames {
   // Reference poses of the camera, as far as they are known (of frames read so far, with stereo).
   [[nodiscard]] const Trajectory& truth() const;
   [[nodiscard]] const std::vector<Error>& problems() const;
+  // Of pairs: the rectified rig, whose left camera is camera(); the IMU beside it, if there is one;
+  // and the pair that the last depth image was made of, with what the IMU measured since the pair
+  // before that (the first: in the second before).
+  [[nodiscard]] const std::optional<RectifiedRig>& rig() const { return rig_; }
+  [[nodiscard]] const std::optional<Imu>& imu() const { return imu_; }
+  struct Pair {
+    ImageView<const std::uint8_t> left, right;
+    std::span<const ImuSample> imu;
+  };
+  [[nodiscard]] Pair pair() const { return {left_, right_, samples_}; }
   // As StereoSource::next(). Depth, grey and rgb have one size.
   [[nodiscard]] Result<std::optional<RgbdFrame>> next(const Context& context = {});
 
@@ -53,13 +65,15 @@ class DepthFrames {
   std::unique_ptr<RgbdSource> rgbd_;
   std::unique_ptr<StereoSource> pairs_;
   // Of pairs.
-  RectifiedRig rig_;
+  std::optional<RectifiedRig> rig_;
+  std::optional<Imu> imu_;
   std::optional<Rectification> rectification_;
   Isometry3d T_left_camera_ = Isometry3d::Identity();  // of the rectified camera
   StereoMatcher matcher_;
   bool range_chosen_ = false;
   Trajectory truth_;
   Image<std::uint8_t> left_, right_;
+  std::vector<ImuSample> samples_;
 };
 
 }  // namespace tread

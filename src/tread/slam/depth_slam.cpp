@@ -89,6 +89,7 @@ struct DepthSlam::Impl {
   void prepare(const SlamFrame& in, const Context& context);
   [[nodiscard]] PosePrior predict(const SlamFrame& in) const;
   [[nodiscard]] TrackStatus judge(const Alignment& found, bool has_prior) const;
+  [[nodiscard]] bool holds(const SlamFrame& in) const;
   void map(const SlamFrame& in, SlamState& state, const Context& context);
   void see_model(const Context& context);
   void see_model_from(const Isometry3d& T, double band_m, const Context& context);
@@ -228,6 +229,15 @@ TrackStatus DepthSlam::Impl::judge(const Alignment& found, bool has_prior) const
     return has_prior ? TrackStatus::kHeld : TrackStatus::kUnobservable;
   }
   return TrackStatus::kTracked;
+}
+
+// A motion known to better than a voxel, over all that is in view, needs no fit to go on by.
+bool DepthSlam::Impl::holds(const SlamFrame& in) const {
+  if (!in.motion || lost) return false;
+  const Matrix6d& c = in.motion->covariance;
+  const double way = std::sqrt(c.topLeftCorner<3, 3>().trace()),
+               turn = std::sqrt(c.bottomRightCorner<3, 3>().trace());
+  return way + turn * mean_depth_m < options.volume.voxel_m;
 }
 
 // The model as a camera at T sees it, at most band_m from the depths at hand.
@@ -370,6 +380,12 @@ Result<SlamState> DepthSlam::track(const SlamFrame& in, const Context& context) 
       state.status = TrackStatus::kLost;
     }
     state.covariance = state.alignment.covariance;
+    // Depths too rough to be fitted, as stereo has them after one frame: the motion is known.
+    if (state.status == TrackStatus::kLost && slam.holds(in)) {
+      state.status = TrackStatus::kHeld;
+      state.alignment.T_world_camera = prior.T_world_camera;
+      state.covariance = in.motion->covariance;
+    }
     if (state.status != TrackStatus::kLost) {
       const double dt = static_cast<double>(in.stamp_ns - slam.stamp_ns) * 1e-9;
       slam.velocity = se3_log(slam.T_world.inverse() * state.alignment.T_world_camera) / dt;

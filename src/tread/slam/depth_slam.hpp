@@ -61,7 +61,7 @@ struct SlamFrame {
 enum class TrackStatus {
   kFirst,         // the first frame with any depth: it is where the camera is
   kTracked,       // six directions told by the frame
-  kHeld,          // some only by the motion prior
+  kHeld,          // some only by the motion prior, or all, if it is that good
   kUnobservable,  // some by nothing: the pose is a guess in these, and nothing is fused
   kLost,          // the frame does not fit the map: the pose is the last known, nothing is fused,
                   // and each frame is compared with all places seen until one fits
