@@ -1,5 +1,7 @@
 #include "tread/slam/integrate.hpp"
 
+#include <limits>
+
 #include "tread/core/parallel.hpp"
 #include "tread/slam/integrate_kernel.hpp"
 
@@ -28,6 +30,8 @@ IntegrateFrame kernel_frame(const FusionFrame& frame, const DepthNoise& noise,
   k.along_ray = options.along_ray;
   return k;
 }
+
+const BlockPlace kNowhere = BlockPlace::Constant(std::numeric_limits<int>::max());
 
 }  // namespace
 
@@ -118,12 +122,19 @@ int Integrator::integrate(const FusionFrame& frame, const DepthNoise& noise,
   const IntegrateFrame kernel = kernel_frame(frame, noise, options, volume.options().voxel_m);
   const VolumeView& view = volume.view();
   const bool coloured = !frame.rgb.empty() || !frame.grey.empty();
+  // A block that has no colour yet does not wait for its turn; it may be gone by then.
+  if (coloured) painted_.resize(touched_at_.size(), kNowhere);
   parallel_chunks(context, 0, static_cast<int>(touched_.size()), 64, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       const int block = touched_[static_cast<std::size_t>(i)];
       const BlockPlace at = volume.place(block) * kBlockSide;
       const std::size_t voxel = VolumeView::voxel_of(block, 0, 0, 0);
-      const bool paint = coloured && (block + frames_) % options.colour_every == 0;
+      bool paint = false;
+      if (coloured) {
+        BlockPlace& painted = painted_[static_cast<std::size_t>(block)];
+        paint = (block + frames_) % options.colour_every == 0 || painted != volume.place(block);
+        painted = volume.place(block);
+      }
       integrate_block(kernel, at.x(), at.y(), at.z(), view.distance + voxel, view.weight + voxel,
                       paint ? view.colour + voxel : nullptr);
     }

@@ -47,6 +47,7 @@ class Integrator {
 
   std::vector<int> touched_;              // blocks at the surface of this frame
   std::vector<std::int64_t> touched_at_;  // frame count, by block
+  std::vector<BlockPlace> painted_;       // of each block, where it was when it was given colour
   std::int64_t frames_ = 0;
 };
 

@@ -110,7 +110,8 @@ void integrate_block_here(const IntegrateFrame& frame, int x, int y, int z, std:
     hn::Store(hn::DemoteTo(i16, new_distance), i16, distance + voxel);
     hn::Store(hn::DemoteTo(u8, new_weight), u8, weight + voxel);
     if (colour == nullptr) continue;
-    const auto near = hn::And(counts, hn::Le(hn::Abs(sdf), set(1.5F * frame.voxel_m)));
+    const auto near =
+        hn::And(counts, hn::Le(hn::Abs(sdf), hn::Max(set(1.5F * frame.voxel_m), three_sigma)));
     if (hn::AllFalse(f32, near)) continue;
     HWY_ALIGN std::int32_t us[kLanes], vs[kLanes], is_near[kLanes], weights[kLanes];
     hn::Store(u, i32, us);

@@ -67,7 +67,7 @@ inline void integrate_voxel(const IntegrateFrame& frame, const float* p_c, std::
 }
 
 // All voxels of a block, which begins at voxel (x, y, z); with colour, also that of those within a
-// voxel and a half of the surface. Arrays begin on 64-byte boundaries.
+// voxel and a half, or three sigma, of the surface. Arrays begin on 64-byte boundaries.
 void integrate_block(const IntegrateFrame& frame, int x, int y, int z, std::int16_t* distance,
                      std::uint8_t* weight, Rgb* colour);
 
