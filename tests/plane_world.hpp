@@ -23,17 +23,18 @@ class PlaneWorld {
                 {{0, 1, 0}, -2.0},
                 {{0, 0, -1}, -2.6}} {}
 
-  // What a pinhole camera at T_world_camera sees; noise of `sigma` grey values.
-  [[nodiscard]] Image<std::uint8_t> picture(const RectifiedRig& rig,
-                                            const Isometry3d& T_world_camera, double sigma,
-                                            std::uint32_t seed) const {
-    Image<std::uint8_t> image(rig.size.width, rig.size.height);
+  // What a camera at T_world_camera sees along these rays, one a pixel in rows; noise of `sigma`
+  // grey values. A ray is of any length.
+  [[nodiscard]] Image<std::uint8_t> picture(const std::vector<Eigen::Vector3d>& rays,
+                                            ImageSize size, const Isometry3d& T_world_camera,
+                                            double sigma, std::uint32_t seed) const {
+    Image<std::uint8_t> image(size.width, size.height);
     const Eigen::Matrix3d& R = T_world_camera.linear();
     const Eigen::Vector3d p = T_world_camera.translation();
+    std::size_t i = 0;
     for (int y = 0; y < image.height; ++y) {
-      for (int x = 0; x < image.width; ++x) {
-        const Eigen::Vector3d ray =
-            R * Eigen::Vector3d((x - rig.cx_px) / rig.fx_px, (y - rig.cy_px) / rig.fy_px, 1.0);
+      for (int x = 0; x < image.width; ++x, ++i) {
+        const Eigen::Vector3d ray = R * rays[i];
         double nearest = std::numeric_limits<double>::infinity();
         std::uint32_t which = 0;
         for (std::uint32_t k = 0; k < planes_.size(); ++k) {
@@ -50,6 +51,18 @@ class PlaneWorld {
       }
     }
     return image;
+  }
+  // The same of a pinhole camera.
+  [[nodiscard]] Image<std::uint8_t> picture(const RectifiedRig& rig,
+                                            const Isometry3d& T_world_camera, double sigma,
+                                            std::uint32_t seed) const {
+    std::vector<Eigen::Vector3d> rays;
+    for (int y = 0; y < rig.size.height; ++y) {
+      for (int x = 0; x < rig.size.width; ++x) {
+        rays.emplace_back((x - rig.cx_px) / rig.fx_px, (y - rig.cy_px) / rig.fy_px, 1.0);
+      }
+    }
+    return picture(rays, rig.size, T_world_camera, sigma, seed);
   }
 
   // Both images of a rectified pair whose left camera is at T_world_left.
@@ -124,19 +137,19 @@ class PlaneWorld {
   return T;
 }
 
-// What an IMU at the left camera, with its axes, measures there from `from_s` to `to_s`, at 200 Hz:
-// after from_s, up to to_s.
-[[nodiscard]] inline std::vector<ImuSample> plane_world_imu(double from_s, double to_s,
-                                                            const Eigen::Vector3d& gyro_bias,
-                                                            const Eigen::Vector3d& accel_bias) {
+// What an IMU on that camera measures from `from_s` to `to_s`, at 200 Hz: after from_s, up to to_s.
+[[nodiscard]] inline std::vector<ImuSample> plane_world_imu(
+    double from_s, double to_s, const Eigen::Vector3d& gyro_bias, const Eigen::Vector3d& accel_bias,
+    const Isometry3d& T_camera_imu = Isometry3d::Identity()) {
   std::vector<ImuSample> samples;
   constexpr double kStep = 1e-4;
   const int first = static_cast<int>(std::floor(from_s * 200.0 + 1e-6)) + 1,
             last = static_cast<int>(std::floor(to_s * 200.0 + 1e-6));
   for (int i = first; i <= last; ++i) {
     const double t = i / 200.0;
-    const Isometry3d a = plane_world_pose(t - kStep), b = plane_world_pose(t),
-                     c = plane_world_pose(t + kStep);
+    const Isometry3d a = plane_world_pose(t - kStep) * T_camera_imu,
+                     b = plane_world_pose(t) * T_camera_imu,
+                     c = plane_world_pose(t + kStep) * T_camera_imu;
     ImuSample sample;
     sample.stamp_ns = static_cast<std::int64_t>(std::llround(t * 1e9));
     sample.gyro_rad_per_s =

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "command_test.hpp"
+#include "euroc_drive.hpp"
 #include "rendered_scene.hpp"
 #include "rgbd_images.hpp"
 #include "tread/geometry/trajectory_error.hpp"
@@ -146,6 +147,43 @@ TEST(TreadSlam, TheProfileOfThePaperTracksAndSaysWhereItWouldSlide) {
   make_walk(scratch / "walk", true);
   const Ran walk = tread("slam " + (scratch / "walk").string() + " --profile paper-q --json");
   EXPECT_EQ(walk.json()["unobservable"], 9);
+}
+
+// Pairs that are not rectified, an IMU with biases at some distance from the cameras.
+TEST(TreadSlam, FollowsAnEurocFlightByPairsAndImu) {
+  const ScratchFolder scratch;
+  const EurocDrive drive;
+  drive.write(scratch / "flight", 5.0);
+  const std::string out = (scratch / "out").string();
+  const Ran ran = tread("slam " + (scratch / "flight").string() + " --json -o " + out);
+  ASSERT_EQ(ran.status, 0) << ran.out << ran.err;
+  const auto json = ran.json();
+  EXPECT_EQ(json["frames"], 100);
+  EXPECT_EQ(json["lost"], 0);
+  EXPECT_EQ(json["odometry"]["tracked"], 99);
+  EXPECT_GT(json["odometry"]["inertial"].get<int>(), 50);
+  EXPECT_LT(json["absolute_error_m"].get<double>(), 0.005);
+  // The IMU's own path is the body's, which the truth is of.
+  const auto body = read_tum_trajectory(scratch / "out/trajectory_imu.tum");
+  ASSERT_TRUE(body) << body.error().message();
+  Trajectory truth;
+  for (int i = 0; i < 100; ++i) {
+    truth.push_back({EurocDrive::stamp(i / 20.0), drive.body_at(i / 20.0)});
+  }
+  const auto error = absolute_trajectory_error(*body, truth);
+  ASSERT_TRUE(error);
+  EXPECT_LT(error->rmse_m, 0.005);
+  EXPECT_LT(error->rmse_rad, 0.01);
+  // The world is level by what the accelerometer felt, whose bias is a hundredth of gravity.
+  const Eigen::Vector3d up = body->front().pose.linear().transpose().col(2),
+                        up_true = truth.front().pose.linear().transpose().col(2);
+  EXPECT_LT((up - up_true).norm(), 0.02);
+
+  const Ran without = tread("slam " + (scratch / "flight").string() +
+                            " --json --set use_imu=false --set odometry.corners.most=200");
+  ASSERT_EQ(without.status, 0) << without.err;
+  EXPECT_EQ(without.json()["odometry"]["inertial"], 0);
+  EXPECT_LT(without.json()["absolute_error_m"].get<double>(), 0.01);
 }
 
 }  // namespace
