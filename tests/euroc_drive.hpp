@@ -49,7 +49,7 @@ class EurocDrive {
         "0, 0, 0, 0, 1]\nrate_hz: 200\ngyroscope_noise_density: 1.7e-04\ngyroscope_random_walk: "
         "1.9e-05\naccelerometer_noise_density: 2.0e-03\naccelerometer_random_walk: 3.0e-03\n");
     put(mav / "imu0/data.csv", imu_csv(seconds));
-    const PlaneWorld world;
+    const PlaneWorld world = PlaneWorld::room();
     std::string truth = "#timestamp, p_x, p_y, p_z, q_w, q_x, q_y, q_z\n";
     for (int i = 0; i < static_cast<int>(seconds * 20.0); ++i) {
       const double t = i / 20.0;

@@ -74,7 +74,7 @@ TEST(CornerPatch, NeedsRoomAndSomethingToSee) {
 
 TEST(CornerTracker, CornersAreApartAndNotMoreThanAskedFor) {
   const RectifiedRig rig = plane_world_rig();
-  const auto view = PlaneWorld().pair(rig, plane_world_pose(0.0), 1.0, 1);
+  const auto view = PlaneWorld::room().pair(rig, plane_world_pose(0.0), 1.0, 1);
   CornerOptions options;
   options.most = 150;
   CornerTracker tracker(options);
@@ -98,7 +98,7 @@ TEST(CornerTracker, CornersAreApartAndNotMoreThanAskedFor) {
 
 TEST(CornerTracker, FollowsCornersAndFindsThemInTheRightImage) {
   const RectifiedRig rig = plane_world_rig();
-  const PlaneWorld world;
+  const PlaneWorld world = PlaneWorld::room();
   const Isometry3d T_a = plane_world_pose(2.0), T_b = plane_world_pose(2.1);
   const auto a = world.pair(rig, T_a, 1.0, 1), b = world.pair(rig, T_b, 1.0, 2);
   CornerTracker tracker(CornerOptions{});

@@ -24,7 +24,7 @@ const std::vector<PlaneWorld::Pair>& pairs() {
   static const std::vector<PlaneWorld::Pair> kPairs = [] {
     std::vector<PlaneWorld::Pair> made;
     for (int i = 0; i < 90; ++i) {
-      made.push_back(PlaneWorld().pair(plane_world_rig(), plane_world_pose(i / kRate_hz), 2.0,
+      made.push_back(PlaneWorld::room().pair(plane_world_rig(), plane_world_pose(i / kRate_hz), 2.0,
                                        static_cast<std::uint32_t>(i)));
     }
     return made;

@@ -1,11 +1,12 @@
-// A room of textured planes and pictures of it from any pose: no tracing, so that tests can afford
-// hundreds of pairs. World: z up, metres.
+// A room, or a street, of textured planes and pictures of it from any pose: no tracing, so that
+// tests can afford hundreds of pairs. World: z up, metres.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "tread/core/image.hpp"
@@ -16,12 +17,20 @@ namespace tread {
 
 class PlaneWorld {
  public:
-  PlaneWorld()
-      : planes_{{{0, 0, 1}, 0.0},    // floor
-                {{-1, 0, 0}, -4.0},  // walls at x = 4, y = 3, y = -2
-                {{0, -1, 0}, -3.0},
-                {{0, 1, 0}, -2.0},
-                {{0, 0, -1}, -2.6}} {}
+  // 6 x 5 m, 2.6 m high.
+  [[nodiscard]] static PlaneWorld room() {
+    return {{{{0, 0, 1}, 0.0},
+             {{-1, 0, 0}, -4.0},
+             {{1, 0, 0}, -2.0},
+             {{0, -1, 0}, -3.0},
+             {{0, 1, 0}, -2.0},
+             {{0, 0, -1}, -2.6}},
+            0.2};
+  }
+  // Along x, between two rows of houses.
+  [[nodiscard]] static PlaneWorld street() {
+    return {{{{0, 0, 1}, 0.0}, {{-1, 0, 0}, -300.0}, {{0, -1, 0}, -6.0}, {{0, 1, 0}, -7.0}}, 1.0};
+  }
 
   // What a camera at T_world_camera sees along these rays, one a pixel in rows; noise of `sigma`
   // grey values. A ray is of any length.
@@ -82,6 +91,8 @@ class PlaneWorld {
     Eigen::Vector3d normal;
     double offset;
   };
+  PlaneWorld(std::vector<Plane> planes, double grain_m)
+      : planes_(std::move(planes)), grain_m_(grain_m) {}
 
   // In [0, 1), a function of its arguments.
   [[nodiscard]] static double unit(std::uint32_t seed, int x, int y) {
@@ -100,14 +111,17 @@ class PlaneWorld {
     const double lower = (1 - a) * unit(seed, iu, iv + 1) + a * unit(seed, iu + 1, iv + 1);
     return (1 - b) * upper + b * lower;
   }
-  // Patches of 20 cm and of 6 cm.
-  [[nodiscard]] static double texture(const Eigen::Vector3d& p, std::uint32_t plane) {
-    const double u = plane == 1 ? p.y() : p.x(), v = plane == 0 || plane == 4 ? p.y() : p.z();
-    return 30.0 + 110.0 * smooth_noise(u / 0.2, v / 0.2, 7 + plane) +
-           90.0 * smooth_noise(u / 0.06, v / 0.06, 77 + plane);
+  // Patches of the grain and of a third of it.
+  [[nodiscard]] double texture(const Eigen::Vector3d& p, std::uint32_t plane) const {
+    const Eigen::Vector3d& n = planes_[plane].normal;
+    const double u = (std::abs(n.x()) > 0.5 ? p.y() : p.x()) / grain_m_,
+                 v = (std::abs(n.z()) > 0.5 ? p.y() : p.z()) / grain_m_;
+    return 30.0 + 110.0 * smooth_noise(u, v, 7 + plane) +
+           90.0 * smooth_noise(3.3 * u, 3.3 * v, 77 + plane);
   }
 
   std::vector<Plane> planes_;
+  double grain_m_;
 };
 
 // A pair of 480 x 360 pixels with 10 cm between the cameras.
