@@ -41,24 +41,6 @@ Status check_size(const ImageSize& size) {
               "size", "Write width and height in pixels, at most 16384 each and 2^26 in all");
 }
 
-Status check_imu(const Imu& imu) {
-  if (!is_rigid(imu.T_imu_left)) {
-    return fail(ErrorCode::kBadValue, "the place of the IMU is not a rigid motion",
-                "imu.T_imu_left", "Write an orthonormal right-handed rotation and finite metres");
-  }
-  const std::pair<const char*, double> above_zero[] = {{"imu.gyro_noise", imu.gyro_noise},
-                                                       {"imu.accel_noise", imu.accel_noise},
-                                                       {"imu.gyro_walk", imu.gyro_walk},
-                                                       {"imu.accel_walk", imu.accel_walk},
-                                                       {"imu.rate_hz", imu.rate_hz}};
-  for (const auto& [name, value] : above_zero) {
-    if (value > 0.0 && std::isfinite(value)) continue;
-    return fail(ErrorCode::kBadValue, fmt::format("{} is not a number above 0", value), name,
-                "Take it from the calibration or the data sheet of the IMU");
-  }
-  return {};
-}
-
 }  // namespace
 
 double RectifiedRig::depth_m(double disparity_px) const {
@@ -81,6 +63,24 @@ Vector3d RectifiedRig::point(double u, double v, double depth_m) const {
 
 Vector3d RectifiedRig::pixel_and_disparity(const Vector3d& p) const {
   return {fx_px * p.x() / p.z() + cx_px, fy_px * p.y() / p.z() + cy_px, disparity_px(p.z())};
+}
+
+Status check_imu(const Imu& imu) {
+  if (!is_rigid(imu.T_imu_left)) {
+    return fail(ErrorCode::kBadValue, "the place of the IMU is not a rigid motion",
+                "imu.T_imu_left", "Write an orthonormal right-handed rotation and finite metres");
+  }
+  const std::pair<const char*, double> above_zero[] = {{"imu.gyro_noise", imu.gyro_noise},
+                                                       {"imu.accel_noise", imu.accel_noise},
+                                                       {"imu.gyro_walk", imu.gyro_walk},
+                                                       {"imu.accel_walk", imu.accel_walk},
+                                                       {"imu.rate_hz", imu.rate_hz}};
+  for (const auto& [name, value] : above_zero) {
+    if (value > 0.0 && std::isfinite(value)) continue;
+    return fail(ErrorCode::kBadValue, fmt::format("{} is not a number above 0", value), name,
+                "Take it from the calibration or the data sheet of the IMU");
+  }
+  return {};
 }
 
 Status check_rig(const StereoRig& rig) {

@@ -65,6 +65,8 @@ struct RectifiedRig {
 
 // Sizes, camera parameters, baseline above zero, rigid poses, noise and rate of the IMU above zero.
 [[nodiscard]] Status check_rig(const StereoRig& rig);
+// A rigid T_imu_left, noises and rate above zero. Errors name the field: "imu.gyro_noise".
+[[nodiscard]] Status check_imu(const Imu& imu);
 
 // The rectified rig of a rig whose images come rectified; an error if its cameras contradict that
 // (rotation, different focal lengths, distortion, baseline not along x).

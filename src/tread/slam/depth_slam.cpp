@@ -130,14 +130,7 @@ Status DepthSlam::Impl::check(const SlamFrame& in) const {
                 "Give one with pixels");
   }
   if (in.motion) {
-    const Matrix6d& c = in.motion->covariance;
-    const bool sound = c.allFinite() && (c - c.transpose()).norm() <= 1e-6 * c.norm() &&
-                       c.ldlt().isPositive() && c.ldlt().vectorD().minCoeff() > 0.0;
-    if (!sound || !is_rigid(in.motion->T_before_now)) {
-      return fail(ErrorCode::kBadValue,
-                  "the motion is not rigid, or its covariance not symmetric and positive", "motion",
-                  "Give variances above zero, however small, or leave the motion out");
-    }
+    if (Status sound = check_motion(*in.motion); !sound) return sound;
   }
   const auto differs = [&](const auto& image) {
     return !image.empty() && !same_size(image, in.depth);

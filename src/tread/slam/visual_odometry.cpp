@@ -16,6 +16,31 @@ constexpr double kLongestStep_s = 0.5;
 // So long it looks for what it saw before it starts anew.
 constexpr double kPatience_s = 1.0;
 
+constexpr int kLeastSide_px = 64;
+
+Status check_start(const RectifiedRig& rig, const OdometryOptions& options,
+                   const Isometry3d& T_world_first, const std::optional<Imu>& imu) {
+  const auto wrong = [](const char* what, const char* field, const char* remedy) {
+    return fail(ErrorCode::kBadValue, what, field, remedy);
+  };
+  const auto above_zero = [](double value) { return value > 0.0 && std::isfinite(value); };
+  if (rig.size.width < kLeastSide_px || rig.size.height < kLeastSide_px) {
+    return wrong("images of less than 64 pixels show too little", "rig.size",
+                 "Give larger images, and their size");
+  }
+  if (!above_zero(rig.fx_px) || !above_zero(rig.fy_px) || !above_zero(rig.baseline_m) ||
+      !std::isfinite(rig.cx_px + rig.cy_px + rig.cx_offset_px)) {
+    return wrong("focal lengths and baseline are not all above zero", "rig",
+                 "Give a rectified rig: see rectified_rig() and make_rectification()");
+  }
+  if (Status good = check_options(options); !good) return good;
+  if (!is_rigid(T_world_first)) {
+    return wrong("the pose of the first frame is not a rigid motion", "T_world_first",
+                 "Give an orthonormal right-handed rotation and finite metres");
+  }
+  return imu ? check_imu(*imu) : Status{};
+}
+
 double median(std::vector<double>& values) {
   if (values.empty()) return 0.0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -59,7 +84,11 @@ const char* name_of(OdometryStatus status) {
 struct VisualOdometry::Impl {
   Impl(const RectifiedRig& with, const OdometryOptions& chosen, const Isometry3d& T_world_first,
        const std::optional<Imu>& imu)
-      : rig(with), options(chosen), tracker(chosen.corners), T_world(T_world_first) {
+      : made(check_start(with, chosen, T_world_first, imu)),
+        rig(with),
+        options(chosen),
+        tracker(chosen.corners),
+        T_world(T_world_first) {
     if (imu) inertia.emplace(*imu);
   }
 
@@ -91,6 +120,7 @@ struct VisualOdometry::Impl {
     if (track.point.seen.size() > 1) left_behind.push_back(std::move(track.point));
   }
 
+  Status made;  // whether it was made with something sound
   RectifiedRig rig;
   OdometryOptions options;
   CornerTracker tracker;
@@ -112,12 +142,16 @@ struct VisualOdometry::Impl {
 };
 
 Status VisualOdometry::Impl::check(const OdometryFrame& in) const {
+  if (!made) return made;
   for (const auto& image : {in.left, in.right}) {
     if (image.width == rig.size.width && image.height == rig.size.height) continue;
     return fail(ErrorCode::kBadArgument,
                 fmt::format("the image is {} x {}, the rig's are {} x {}", image.width,
                             image.height, rig.size.width, rig.size.height),
                 "left, right", "Give rectified images of the rig's size");
+  }
+  if (in.motion) {
+    if (Status sound = check_motion(*in.motion); !sound) return sound;
   }
   if (started && in.stamp_ns <= stamp_ns) {
     return fail(

@@ -83,8 +83,8 @@ class VisualOdometry {
   VisualOdometry(VisualOdometry&&) noexcept;
   VisualOdometry& operator=(VisualOdometry&&) noexcept;
 
-  // Errors, after which the state is as before: images that are not of the rig's size, a time that
-  // is not after the last one's.
+  // Errors, after which the state is as before: what it was made with is not sound, images that are
+  // not of the rig's size, a motion without covariance, a time that is not after the last one's.
   [[nodiscard]] Result<OdometryState> track(const OdometryFrame& frame,
                                             const Context& context = {});
 

@@ -25,7 +25,7 @@ const std::vector<PlaneWorld::Pair>& pairs() {
     std::vector<PlaneWorld::Pair> made;
     for (int i = 0; i < 90; ++i) {
       made.push_back(PlaneWorld::room().pair(plane_world_rig(), plane_world_pose(i / kRate_hz), 2.0,
-                                       static_cast<std::uint32_t>(i)));
+                                             static_cast<std::uint32_t>(i)));
     }
     return made;
   }();
@@ -230,6 +230,33 @@ TEST(VisualOdometry, RefusesWhatIsNotInOrder) {
   ASSERT_FALSE(again);
   EXPECT_EQ(again.error().where, "stamp_ns");
   EXPECT_TRUE(odometry.track({6, view.left, view.right}));
+}
+
+TEST(VisualOdometry, SaysWhatItWasMadeWithThatIsNotSound) {
+  const auto& view = pairs()[0];
+  const auto refused = [&](const RectifiedRig& rig, const OdometryOptions& options = {},
+                           const std::optional<Imu>& imu = {}) {
+    VisualOdometry odometry(rig, options, Isometry3d::Identity(), imu);
+    const auto state = odometry.track({0, view.left, view.right});
+    return state ? std::string() : state.error().where;
+  };
+  RectifiedRig rig = plane_world_rig();
+  rig.baseline_m = 0.0;
+  EXPECT_EQ(refused(rig), "rig");
+  rig = plane_world_rig();
+  rig.size = {20, 20};
+  EXPECT_EQ(refused(rig), "rig.size");
+  OdometryOptions options;
+  options.corners.levels = 0;
+  EXPECT_EQ(refused(plane_world_rig(), options), "corners.levels");
+  Imu imu;
+  imu.accel_noise = 0.0;
+  EXPECT_EQ(refused(plane_world_rig(), {}, imu), "imu.accel_noise");
+  EXPECT_EQ(refused(plane_world_rig()), "");
+  VisualOdometry odometry(plane_world_rig());
+  MotionPrior motion;
+  motion.covariance.setZero();
+  EXPECT_FALSE(odometry.track({0, view.left, view.right, motion}));
 }
 
 TEST(VisualOdometry, SamplesThatAreMissingOrNonsenseDoNotHurt) {
