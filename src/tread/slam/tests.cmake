@@ -10,6 +10,7 @@ target_sources(tread_tests PRIVATE
   ${here}/integrate_test.cpp
   ${here}/keyframe_bank_test.cpp
   ${here}/observability_test.cpp
+  ${here}/pose_graph_test.cpp
   ${here}/ray_cast_test.cpp
   ${here}/refine_window_test.cpp
   ${here}/voxel_volume_test.cpp
