@@ -9,6 +9,7 @@ target_sources(tread_tests PRIVATE
   ${here}/fit_motion_test.cpp
   ${here}/integrate_test.cpp
   ${here}/keyframe_bank_test.cpp
+  ${here}/keyframe_store_test.cpp
   ${here}/observability_test.cpp
   ${here}/pose_graph_test.cpp
   ${here}/ray_cast_test.cpp
