@@ -11,6 +11,7 @@ target_sources(tread_tests PRIVATE
   ${here}/keyframe_bank_test.cpp
   ${here}/keyframe_store_test.cpp
   ${here}/observability_test.cpp
+  ${here}/place_memory_test.cpp
   ${here}/pose_graph_test.cpp
   ${here}/ray_cast_test.cpp
   ${here}/refine_window_test.cpp
