@@ -7,6 +7,7 @@ target_sources(tread_tests PRIVATE
   ${here}/depth_slam_test.cpp
   ${here}/extract_mesh_test.cpp
   ${here}/fit_motion_test.cpp
+  ${here}/frame_path_test.cpp
   ${here}/integrate_test.cpp
   ${here}/keyframe_bank_test.cpp
   ${here}/keyframe_store_test.cpp
