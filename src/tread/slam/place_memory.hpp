@@ -87,6 +87,11 @@ class PlaceMemory {
                                   const Isometry3d& T_place_query = Isometry3d::Identity(),
                                   const Context& context = {}) const;
 
+  // What was added by that id; null if nothing was.
+  [[nodiscard]] const PlaceView* view(std::int64_t id) const {
+    const auto at = places_.find(id);
+    return at == places_.end() ? nullptr : &at->second;
+  }
   [[nodiscard]] std::size_t size() const { return places_.size(); }
   // Of all places: at most kMost times `corners` times what one takes.
   [[nodiscard]] std::size_t bytes() const;

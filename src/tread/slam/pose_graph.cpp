@@ -52,6 +52,12 @@ double spread_of(const PoseEdge& edge) {
   return inverse_of(edge.information).topLeftCorner<3, 3>().trace();
 }
 
+double squared_error(const PoseEdge& edge, const Isometry3d& T_world_a,
+                     const Isometry3d& T_world_b) {
+  const Vector6d r = edge_residual(edge.T_a_b, T_world_a, T_world_b).r;
+  return r.dot(edge.information * r);
+}
+
 }  // namespace
 
 OptionSet describe(PoseGraphOptions& options) {
@@ -80,13 +86,28 @@ void PoseGraph::add(std::int64_t id, const Isometry3d& T_world) {
   nodes_.push_back({id, T_world});
 }
 
-bool PoseGraph::add_edge(const PoseEdge& edge) {
+bool PoseGraph::is_sound(const PoseEdge& edge) const {
   const Matrix6d& I = edge.information;
-  if (edge.a == edge.b || !contains(edge.a) || !contains(edge.b) || !is_rigid(edge.T_a_b) ||
-      !I.allFinite() || (I - I.transpose()).norm() > 1e-6 * I.norm() ||
-      I.llt().info() != Eigen::Success) {
-    return false;
+  return edge.a != edge.b && contains(edge.a) && contains(edge.b) && is_rigid(edge.T_a_b) &&
+         I.allFinite() && (I - I.transpose()).norm() <= 1e-6 * I.norm() &&
+         I.llt().info() == Eigen::Success;
+}
+
+bool PoseGraph::measure_again(const PoseEdge& edge) {
+  if (!is_sound(edge)) return false;
+  for (PoseEdge& known : edges_) {
+    const bool turned = known.a == edge.b && known.b == edge.a;
+    if (!turned && (known.a != edge.a || known.b != edge.b)) continue;
+    const bool loop = known.loop;
+    known = turned ? reversed(edge) : edge;
+    known.loop = loop;
+    return true;
   }
+  return false;
+}
+
+bool PoseGraph::add_edge(const PoseEdge& edge) {
+  if (!is_sound(edge)) return false;
   for (PoseEdge& known : edges_) {
     const bool same = known.a == edge.a && known.b == edge.b;
     if (!same && (known.a != edge.b || known.b != edge.a)) continue;
@@ -174,31 +195,26 @@ std::optional<std::vector<Isometry3d>> PoseGraph::solve(const PoseGraphOptions& 
   return poses;
 }
 
-double PoseGraph::squared_error(const PoseEdge& edge, const std::vector<Isometry3d>& poses) const {
-  const Vector6d r =
-      edge_residual(edge.T_a_b, poses[index_.at(edge.a)], poses[index_.at(edge.b)]).r;
-  return r.dot(edge.information * r);
+double PoseGraph::odometry_error() const {
+  double sum = 0.0;
+  for (const PoseEdge& edge : edges_) {
+    if (!edge.loop) sum += squared_error(edge, pose(edge.a), pose(edge.b));
+  }
+  return sum;
 }
 
 GraphReport PoseGraph::optimise(const PoseGraphOptions& options, const Context& context) {
   const ScopedTimer timer(context, "slam/pose_graph");
   GraphReport report;
   if (edges_.empty()) return report;
-  std::vector<Isometry3d> before;
-  for (const Node& node : nodes_) before.push_back(node.T_world);
-  const auto odometry_error = [&](const std::vector<Isometry3d>& poses) {
-    double sum = 0.0;
-    for (const PoseEdge& edge : edges_) sum += edge.loop ? 0.0 : squared_error(edge, poses);
-    return sum;
-  };
-  report.odometry_before = odometry_error(before);
   auto poses = solve(options, edges_);
   if (!poses) return report;
   // Once more from the start without what the rest contradicts: it has pulled until now.
   const double limit = 6.0 * options.most_residual * options.most_residual;
   std::vector<PoseEdge> kept;
   for (const PoseEdge& edge : edges_) {
-    const bool wrong = edge.loop && !(squared_error(edge, *poses) <= limit);
+    const bool wrong = edge.loop && !(squared_error(edge, (*poses)[index_.at(edge.a)],
+                                                    (*poses)[index_.at(edge.b)]) <= limit);
     (wrong ? report.dropped : kept).push_back(edge);
   }
   if (!report.dropped.empty()) {
@@ -207,7 +223,6 @@ GraphReport PoseGraph::optimise(const PoseGraphOptions& options, const Context& 
     edges_ = std::move(kept);
   }
   for (std::size_t i = 0; i < nodes_.size(); ++i) nodes_[i].T_world = (*poses)[i];
-  report.odometry_after = odometry_error(*poses);
   report.solved = true;
   return report;
 }

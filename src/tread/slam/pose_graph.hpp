@@ -40,9 +40,7 @@ struct EdgeResidual {
                                          const Isometry3d& T_world_b);
 
 struct GraphReport {
-  bool solved = false;  // else nothing has changed
-  // |r|^2 of all odometry edges, before and after: how far they had to give way.
-  double odometry_before = 0.0, odometry_after = 0.0;
+  bool solved = false;            // else nothing has changed
   std::vector<PoseEdge> dropped;  // loops that the others and odometry contradict
 };
 
@@ -58,6 +56,9 @@ class PoseGraph {
   // False, and nothing is added, if an end is not there, both are the same, or the information is
   // not symmetric and positive. Of two edges of the same ends the better known stays.
   bool add_edge(const PoseEdge& edge);
+  // Changes what an edge of the same ends has measured, not whether it is a loop; false if there is
+  // none, or it is not as add_edge() asks.
+  bool measure_again(const PoseEdge& edge);
   // Takes a pose out. What was measured to it is from then on between its neighbours: all its edges
   // are joined to the one that hangs together with it best, whose id is returned. Empty if it had
   // none, or is not there.
@@ -66,6 +67,9 @@ class PoseGraph {
   // Moves all poses but the first one of each part that hangs together. The same poses and edges
   // give the same result to the bit.
   GraphReport optimise(const PoseGraphOptions& options, const Context& context = {});
+
+  // Sum of |r|^2 over odometry: how far it has given way.
+  [[nodiscard]] double odometry_error() const;
 
   [[nodiscard]] bool contains(std::int64_t id) const { return index_.contains(id); }
   [[nodiscard]] const Isometry3d& pose(std::int64_t id) const {
@@ -79,8 +83,7 @@ class PoseGraph {
       const std::vector<PoseEdge>& edges) const;
   [[nodiscard]] std::optional<std::vector<Isometry3d>> solve(
       const PoseGraphOptions& options, const std::vector<PoseEdge>& edges) const;
-  [[nodiscard]] double squared_error(const PoseEdge& edge,
-                                     const std::vector<Isometry3d>& poses) const;
+  [[nodiscard]] bool is_sound(const PoseEdge& edge) const;
 
   std::vector<Node> nodes_;
   std::vector<PoseEdge> edges_;
