@@ -12,7 +12,7 @@ find_dependency(PNG)
 find_dependency(TIFF)
 find_dependency(GeoTIFF)
 find_dependency(Ceres)
-find_dependency(OpenCVModules COMPONENTS core imgcodecs imgproc video)
+find_dependency(OpenCVModules COMPONENTS core features2d imgcodecs imgproc video)
 
 # yaml-cpp 0.7 exports a target without a name space and, on Debian, without its include folder.
 if(TARGET yaml-cpp AND NOT TARGET yaml-cpp::yaml-cpp)

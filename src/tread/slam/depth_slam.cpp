@@ -1,28 +1,32 @@
 #include "tread/slam/depth_slam.hpp"
 
-#include <fmt/format.h>
-
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "tread/slam/keyframe_bank.hpp"
+#include "tread/slam/loop_closer.hpp"
 #include "tread/slam/ray_cast.hpp"
+#include "tread/slam/slam_input.hpp"
 
 namespace tread {
 namespace {
 
 constexpr int kHalveFrom = 480;  // images at least so wide are tracked at half their resolution
+constexpr double kPlaceSigma = 0.05;  // m and rad: how well a place says where a lost camera is
 
-Status check_start(const PinholeCamera& camera, const SlamOptions& options,
-                   const Isometry3d& T_world_first) {
-  if (Status good = check_camera(camera, "camera"); !good) return good;
-  if (Status good = check_options(options); !good) return good;
-  if (is_rigid(T_world_first)) return {};
-  return fail(ErrorCode::kBadValue, "the pose of the first frame is not a rigid motion",
-              "T_world_first", "Give an orthonormal right-handed rotation and finite metres");
+LoopSetup loop_setup(const SlamOptions& options) {
+  constexpr double kNear = 0.6;  // of the distance of two keyframes
+  LoopSetup setup;
+  setup.loop = options.loop;
+  setup.noise = options.noise;
+  setup.align = options.align;
+  setup.voxel_m = options.volume.voxel_m;
+  setup.farthest_m = options.integrate.farthest_m;
+  setup.near_way = kNear * options.key_way;
+  setup.near_rad = kNear * options.key_turn_deg * std::numbers::pi / 180.0;
+  return setup;
 }
 
 double turn_between(const Isometry3d& a, const Isometry3d& b) {
@@ -31,61 +35,15 @@ double turn_between(const Isometry3d& a, const Isometry3d& b) {
 
 }  // namespace
 
-OptionSet describe(SlamOptions& options) {
-  OptionSet set;
-  set.add_group("volume", describe(options.volume));
-  set.add_group("integrate", describe(options.integrate));
-  set.add_group("align", describe(options.align));
-  set.add_group("noise", describe(options.noise));
-  set.add("window_ahead_m", options.window_ahead_m,
-          "where the middle of the volume's window is, ahead of the camera, m", 0.0, 100.0);
-  set.add("turn_first", options.turn_first, "start from the turn that fits the images best");
-  set.add("speed_sigma_m_per_s", options.speed_sigma_m_per_s,
-          "how far the motion may differ from going on as before, m/s", 1e-3, 100.0);
-  set.add("turn_sigma_rad_per_s", options.turn_sigma_rad_per_s, "and the turn, rad/s", 1e-3, 100.0);
-  set.add("least_matched", options.least_matched,
-          "lost if a smaller part of the frame meets the surface", 0.0, 1.0);
-  set.add("largest_rms", options.largest_rms, "lost if residuals are larger, in sigma", 0.1, 1e3);
-  set.add("least_matched_again", options.least_matched_again,
-          "the same after it was lost, to be believed", 0.0, 1.0);
-  set.add("largest_rms_again", options.largest_rms_again, "and of residuals", 0.1, 1e3);
-  set.add("largest_grey_again", options.largest_grey_again,
-          "and of the mean difference of intensities", 0.1, 255.0);
-  set.add("key_matched", options.key_matched,
-          "a new keyframe if a smaller part of the old one is in view", 0.0, 1.0);
-  set.add("key_turn_deg", options.key_turn_deg, "or after a turn of so much, degrees", 0.0, 180.0);
-  set.add("key_way", options.key_way, "or after so much way, part of the mean depth", 0.0, 10.0);
-  set.add("least_intensity_share", options.least_intensity_share,
-          "of the weight of intensities that is left where depth says otherwise", 0.0, 1.0);
-  set.add("photo_points", options.photo_points, "points of a keyframe, at most", 100, 1'000'000);
-  return set;
-}
-
-const char* name_of(TrackStatus status) {
-  switch (status) {
-    case TrackStatus::kFirst:
-      return "first";
-    case TrackStatus::kTracked:
-      return "tracked";
-    case TrackStatus::kHeld:
-      return "held";
-    case TrackStatus::kUnobservable:
-      return "unobservable";
-    case TrackStatus::kLost:
-      return "lost";
-  }
-  return "";
-}
-
 struct DepthSlam::Impl {
   Impl(const PinholeCamera& with, const SlamOptions& chosen, const Isometry3d& T_world_first)
       : made(check_start(with, chosen, T_world_first)),
         camera(Pinhole::of(with)),
         options(chosen),
         volume(made ? chosen.volume : VolumeOptions{}),
+        loops(loop_setup(made ? chosen : SlamOptions{})),
         T_world(T_world_first) {}
 
-  [[nodiscard]] Status check(const SlamFrame& in) const;
   void prepare(const SlamFrame& in, const Context& context);
   [[nodiscard]] PosePrior predict(const SlamFrame& in) const;
   [[nodiscard]] TrackStatus judge(const Alignment& found, bool has_prior) const;
@@ -93,7 +51,10 @@ struct DepthSlam::Impl {
   void map(const SlamFrame& in, SlamState& state, const Context& context);
   void see_model(const Context& context);
   void see_model_from(const Isometry3d& T, double band_m, const Context& context);
-  void relocalise(SlamState& state, const Context& context);
+  void relocalise(const SlamFrame& in, SlamState& state, const Context& context);
+  bool find_place(const SlamFrame& in, SlamState& state, const Context& context);
+  void believe(const Alignment& found, std::int64_t anchor, SlamState& state);
+  void close_loop(const SlamFrame& in, SlamState& state, const Context& context);
   [[nodiscard]] bool fits_again(const Alignment& found) const;
   void renew_keyframe(SlamState& state);
   void learn_share(const Alignment& found);
@@ -104,6 +65,7 @@ struct DepthSlam::Impl {
   VoxelVolume volume;
   Integrator integrator;
   NormalFinder normals;
+  LoopCloser loops;
   bool started = false;
   bool halved = false;
   int width = 0, height = 0;
@@ -122,40 +84,6 @@ struct DepthSlam::Impl {
   double intensity_share = 0.2;  // until more is known
   double mean_depth_m = 1.0;
 };
-
-Status DepthSlam::Impl::check(const SlamFrame& in) const {
-  if (!made) return made;
-  if (in.depth.empty()) {
-    return fail(ErrorCode::kBadArgument, "the depth image is empty", "depth",
-                "Give one with pixels");
-  }
-  if (in.motion) {
-    if (Status sound = check_motion(*in.motion); !sound) return sound;
-  }
-  const auto differs = [&](const auto& image) {
-    return !image.empty() && !same_size(image, in.depth);
-  };
-  if (differs(in.grey) || differs(in.rgb)) {
-    return fail(ErrorCode::kBadArgument,
-                fmt::format("the image is not of the size of the depth image, {} x {}",
-                            in.depth.width, in.depth.height),
-                "grey", "Register the images to the depth, or leave them out");
-  }
-  if (!started) return {};
-  if (in.depth.width != width || in.depth.height != height) {
-    return fail(ErrorCode::kBadArgument,
-                fmt::format("the depth image is {} x {}, those before were {} x {}", in.depth.width,
-                            in.depth.height, width, height),
-                "depth", "One camera has one size: start anew for another one");
-  }
-  if (in.stamp_ns <= stamp_ns) {
-    return fail(
-        ErrorCode::kBadValue,
-        fmt::format("the time {} ns is not after the last one, {} ns", in.stamp_ns, stamp_ns),
-        "stamp_ns", "Give frames in order of time, each once");
-  }
-  return {};
-}
 
 void DepthSlam::Impl::prepare(const SlamFrame& in, const Context& context) {
   const ScopedTimer timer(context, "slam/prepare");
@@ -256,8 +184,9 @@ bool DepthSlam::Impl::fits_again(const Alignment& found) const {
 }
 
 // Lost: the frame is tried at the places that look like it. Depth and image must both fit there.
-void DepthSlam::Impl::relocalise(SlamState& state, const Context& context) {
+void DepthSlam::Impl::relocalise(const SlamFrame& in, SlamState& state, const Context& context) {
   const ScopedTimer timer(context, "slam/relocalise");
+  if (options.loop.enabled && frame.has_grey() && find_place(in, state, context)) return;
   constexpr std::size_t kCandidates = 4;
   constexpr double kBandM = 0.5;
   constexpr int kLeastPoints = 100;
@@ -279,15 +208,34 @@ void DepthSlam::Impl::relocalise(SlamState& state, const Context& context) {
     see_model_from(prior.T_world_camera, kBandM, context);
     const Alignment found = align(frame, &model, T_world_model, &candidate.key, prior,
                                   options.noise, options.align, context);
-    if (!fits_again(found)) continue;
-    state.alignment = found;
-    state.covariance = found.covariance;
-    state.status = TrackStatus::kTracked;
-    state.relocalised = true;
-    T_world = found.T_world_camera;
-    velocity.setZero();
-    return;
+    if (fits_again(found)) return believe(found, candidate.anchor, state);
   }
+}
+
+// By corners: from other angles as well, and not to be misled by a place that looks much the same.
+bool DepthSlam::Impl::find_place(const SlamFrame& in, SlamState& state, const Context& context) {
+  const auto place = loops.find({frame, in.rgb, T_world}, context);
+  if (!place) return false;
+  PosePrior prior;
+  prior.T_world_camera = place->T_world_camera;
+  prior.information.diagonal().setConstant(1.0 / (kPlaceSigma * kPlaceSigma));
+  see_model_from(prior.T_world_camera, options.align.gate_m, context);
+  const Alignment found =
+      align(frame, &model, T_world_model, nullptr, prior, options.noise, options.align, context);
+  // There is no image to compare with; the corners of the place have agreed already.
+  if (!fits_again(found)) return false;
+  believe(found, place->place, state);
+  return true;
+}
+
+void DepthSlam::Impl::believe(const Alignment& found, std::int64_t anchor, SlamState& state) {
+  state.alignment = found;
+  state.covariance = found.covariance;
+  state.status = TrackStatus::kTracked;
+  state.relocalised = true;
+  T_world = found.T_world_camera;
+  velocity.setZero();
+  loops.go_on_from(anchor, T_world, found.covariance);
 }
 
 void DepthSlam::Impl::renew_keyframe(SlamState& state) {
@@ -311,10 +259,24 @@ void DepthSlam::Impl::renew_keyframe(SlamState& state) {
                         key.points[level]);
     key.camera[level] = frame.depth[level].camera;
   }
-  bank.add(frame, model[2], T_world);
   key.T_world_camera = T_world;
   has_key = true;
   state.keyframe = true;
+}
+
+// The keyframe at hand may show a place that was seen before.
+void DepthSlam::Impl::close_loop(const SlamFrame& in, SlamState& state, const Context& context) {
+  const auto corrected = loops.keyframe({frame, in.rgb, T_world}, context);
+  if (!corrected) return;
+  T_world = *corrected;
+  key.T_world_camera = T_world;
+  bank.move([this](std::int64_t anchor) { return loops.correction_of(anchor); });
+  volume.clear();
+  const Pinhole& fine = frame.depth[0].camera;
+  loops.fuse_all(fine, options.window_ahead_m, options.integrate, volume, integrator, context);
+  see_model(context);
+  state.T_world_camera = T_world;
+  state.loop_closed = true;
 }
 
 void DepthSlam::Impl::learn_share(const Alignment& found) {
@@ -343,10 +305,21 @@ const VoxelVolume& DepthSlam::volume() const {
 const SlamOptions& DepthSlam::options() const {
   return impl_->options;
 }
+Trajectory DepthSlam::trajectory() const {
+  return impl_->loops.trajectory();
+}
+int DepthSlam::loops() const {
+  return impl_->loops.loops();
+}
+std::size_t DepthSlam::keyframe_bytes() const {
+  return impl_->loops.bytes();
+}
 
 Result<SlamState> DepthSlam::track(const SlamFrame& in, const Context& context) {
   Impl& slam = *impl_;
-  if (Status good = slam.check(in); !good) return tl::unexpected(good.error());
+  if (!slam.made) return tl::unexpected(slam.made.error());
+  const SlamInput before{slam.started, slam.width, slam.height, slam.stamp_ns};
+  if (Status good = check_frame(in, before); !good) return tl::unexpected(good.error());
   const ScopedTimer timer(context, "slam");
   std::swap(slam.frame, slam.before);
   slam.prepare(in, context);
@@ -389,7 +362,7 @@ Result<SlamState> DepthSlam::track(const SlamFrame& in, const Context& context) 
       slam.velocity.setZero();
       const Isometry3d T_model = slam.T_world_model;
       const auto model = slam.model;
-      slam.relocalise(state, context);
+      slam.relocalise(in, state, context);
       if (state.status == TrackStatus::kLost) {  // as it was, for the next frame
         slam.model = model;
         slam.T_world_model = T_model;
@@ -403,6 +376,12 @@ Result<SlamState> DepthSlam::track(const SlamFrame& in, const Context& context) 
   if (state.status != TrackStatus::kLost) {
     slam.see_model(context);
     slam.renew_keyframe(state);
+    if (!state.relocalised) slam.loops.follow(slam.T_world, state.covariance);
+    if (state.keyframe && slam.options.loop.enabled) slam.close_loop(in, state, context);
+    if (state.keyframe) {
+      slam.bank.add(slam.frame, slam.model[2], slam.T_world, slam.loops.anchor());
+    }
+    if (state.mapped()) slam.loops.map(in.stamp_ns);
   }
   return state;
 }

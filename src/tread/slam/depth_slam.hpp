@@ -15,8 +15,10 @@
 #include "tread/core/options.hpp"
 #include "tread/core/result.hpp"
 #include "tread/geometry/camera.hpp"
+#include "tread/geometry/trajectory.hpp"
 #include "tread/slam/align.hpp"
 #include "tread/slam/integrate.hpp"
+#include "tread/slam/loop_options.hpp"
 #include "tread/slam/motion_prior.hpp"
 
 namespace tread {
@@ -45,6 +47,7 @@ struct SlamOptions {
   // what depth says: intensities weigh less as that is seen, but never less than this part.
   double least_intensity_share = 0.02;
   int photo_points = 20'000;  // of a keyframe at its finest level, at most
+  LoopOptions loop;           // of frames with images
   [[nodiscard]] bool operator==(const SlamOptions&) const = default;
 };
 [[nodiscard]] OptionSet describe(SlamOptions& options);
@@ -77,7 +80,10 @@ struct SlamState {
   Alignment alignment;  // how it was found
   bool keyframe = false;
   bool relocalised = false;  // found again by what the place looks like
-  int blocks = 0;            // updated by this frame
+  // A place was recognised, and the path corrected: this pose and those of trajectory() are in
+  // agreement with it, poses given before are not, and the surface was made anew.
+  bool loop_closed = false;
+  int blocks = 0;  // updated by this frame
   [[nodiscard]] bool mapped() const {
     return status == TrackStatus::kFirst || status == TrackStatus::kTracked ||
            status == TrackStatus::kHeld;
@@ -100,6 +106,12 @@ class DepthSlam {
 
   [[nodiscard]] const VoxelVolume& volume() const;
   [[nodiscard]] const SlamOptions& options() const;
+  // The path of all mapped frames as it is known now; of a very long one the older half is given
+  // more coarsely (frame_path.hpp).
+  [[nodiscard]] Trajectory trajectory() const;
+  // How often the path was corrected, and the memory of what is kept for that (besides the file).
+  [[nodiscard]] int loops() const;
+  [[nodiscard]] std::size_t keyframe_bytes() const;
 
  private:
   struct Impl;

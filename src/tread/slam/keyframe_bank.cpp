@@ -45,7 +45,7 @@ double likeness_of(const std::vector<float>& a, const std::vector<float>& b) {
 }  // namespace
 
 void KeyframeBank::add(const AlignFrame& frame, const DepthLevel& depth,
-                       const Isometry3d& T_world_camera) {
+                       const Isometry3d& T_world_camera, std::int64_t anchor) {
   if (!frame.has_grey()) return;
   for (const View& view : views_) {
     const Isometry3d between = view.T_world_camera.inverse() * T_world_camera;
@@ -54,7 +54,11 @@ void KeyframeBank::add(const AlignFrame& frame, const DepthLevel& depth,
   }
   if (views_.size() >= kMost) thin_out();
   const Image<float>& grey = frame.grey[2].intensity;
-  views_.push_back({grey, depth.depth, depth.camera, T_world_camera, thumbnail_of(grey)});
+  views_.push_back({grey, depth.depth, depth.camera, T_world_camera, thumbnail_of(grey), anchor});
+}
+
+void KeyframeBank::move(const std::function<Isometry3d(std::int64_t anchor)>& correction) {
+  for (View& view : views_) view.T_world_camera = correction(view.anchor) * view.T_world_camera;
 }
 
 // The first view of all stays.
@@ -86,6 +90,7 @@ std::vector<KeyframeBank::Candidate> KeyframeBank::find(const AlignFrame& frame,
     const GreyLevel grey = with_slopes(view.grey);
     Candidate candidate;
     candidate.likeness = -unlikeness;
+    candidate.anchor = view.anchor;
     candidate.T_world_camera = view.T_world_camera;
     candidate.T_world_camera.linear() =
         view.T_world_camera.linear() * align_rotation(grey, frame.grey[2], view.camera);

@@ -61,6 +61,17 @@ TEST(KeyframeBank, KeepsOneViewOfAPlace) {
   EXPECT_EQ(bank.find(view.frame, 1).size(), 1U);
 }
 
+TEST(KeyframeBank, ViewsGoAlongWithWhatTheyHangOn) {
+  const View view;
+  KeyframeBank bank;
+  bank.add(view.frame, view.depth, at_metre(0), 4);
+  bank.add(view.frame, view.depth, at_metre(1), 7);
+  bank.move([](std::int64_t anchor) { return at_metre(anchor == 7 ? 10 : 0); });
+  EXPECT_EQ(places_in(bank, view), (std::vector<int>{0, 11}));
+  EXPECT_EQ(bank.find(view.frame, 2)[0].anchor, 4);
+  EXPECT_EQ(bank.find(view.frame, 2)[1].anchor, 7);
+}
+
 TEST(KeyframeBank, OlderViewsAreThinnedOutWhenThereAreTooMany) {
   constexpr int kMost = static_cast<int>(KeyframeBank::kMost);
   const View view;
