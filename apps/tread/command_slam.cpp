@@ -119,13 +119,6 @@ void track_frames(DepthFrames& frames, SlamPipeline& pipeline, const Context& co
     const SlamState& state = step->slam;
     run.states.push_back(state);
     if (step->odometry) run.odometry.push_back(*step->odometry);
-    if (state.mapped()) {
-      if (!run.trajectory.empty()) {
-        run.path_m +=
-            (state.T_world_camera.translation() - run.trajectory.back().pose.translation()).norm();
-      }
-      run.trajectory.push_back({state.stamp_ns, state.T_world_camera});
-    }
     if (i <= kept) run.sample = std::move(**frame);
   }
   run.cpu_ms = process_cpu_ms() - cpu_before;
@@ -146,6 +139,7 @@ void summarise(const SlamRun& run, Output& output) {
     values[name_of(status)] = count_of(run, status);
   }
   values["path_m"] = run.path_m;
+  values["loops"] = run.loops;
   values["ms_per_frame"] = run.track_ms / frames;
   values["cpu_ms_per_frame_with_reading"] = run.cpu_ms / frames;
   values["peak_memory_mb"] = run.peak_memory_mb;
@@ -175,6 +169,7 @@ void summarise(const SlamRun& run, Output& output) {
                             of(OdometryStatus::kTracked), of(OdometryStatus::kHeld),
                             of(OdometryStatus::kLost), inertial));
   }
+  if (run.loops > 0) output.line(fmt::format("{} loops closed", run.loops));
   output.line(fmt::format("{:.1f} ms a frame, {} triangles, {:.0f} MiB", run.track_ms / frames,
                           run.mesh.triangles.size(), run.peak_memory_mb));
   if (run.absolute) {
@@ -245,6 +240,13 @@ int run_slam(const SlamArguments& arguments) {
                           frames_text(static_cast<std::size_t>(frames->frame_count()))));
   SlamPipeline pipeline(*frames, settings.pipeline);
   track_frames(*frames, pipeline, context, arguments.common, run);
+  // As it is now: loops have moved frames of the past.
+  if (pipeline.started()) run.trajectory = pipeline.slam().trajectory();
+  for (std::size_t i = 1; i < run.trajectory.size(); ++i) {
+    run.path_m +=
+        (run.trajectory[i].pose.translation() - run.trajectory[i - 1].pose.translation()).norm();
+  }
+  if (pipeline.started()) run.loops = pipeline.slam().loops();
   run.T_camera_imu =
       frames->imu() ? std::optional(frames->imu()->T_imu_left.inverse()) : std::nullopt;
   const std::vector<Error>& notices = frames->problems();

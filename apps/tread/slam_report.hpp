@@ -23,6 +23,7 @@ struct SlamRun {
   std::size_t frames = 0;                  // also those that could not be read
   std::vector<Error> problems;
   double path_m = 0.0;
+  int loops = 0;                        // closed
   double track_ms = 0.0, cpu_ms = 0.0;  // of all frames; cpu: also reading
   double peak_memory_mb = 0.0;
   std::size_t volume_bytes = 0;

@@ -49,7 +49,9 @@ class SlamPipeline {
   [[nodiscard]] Result<SlamStep> step(const DepthFrames& frames, const RgbdFrame& frame,
                                       const Context& context = {});
 
-  // From the first step on: x ahead, y left, z up, by the IMU or, without, if the first camera was
+  // Whether there was a step; before that there is no slam().
+  [[nodiscard]] bool started() const { return slam_.has_value(); }
+  // x ahead, y left, z up, by the IMU or, without, if the first camera was
   // level.
   [[nodiscard]] const DepthSlam& slam() const { return *slam_; }
   [[nodiscard]] bool has_odometry() const { return odometry_.has_value(); }
