@@ -13,18 +13,33 @@ constexpr int kPatchRadius = 5;  // of the patch that is searched for along a ro
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 struct Pyramid {
-  std::vector<cv::Mat> levels;
-  cv::Mat image;  // its finest level, without the border
+  std::vector<cv::Mat> levels;  // of the flattened image
+  cv::Mat image;                // as given; borrowed
 };
+
+// Following compares grey values as they are, and two images are seldom equally bright: the mean of
+// the surroundings is taken off, and the contrast that is left is made the same for all.
+cv::Mat flattened(const cv::Mat& image, int window_px) {
+  constexpr double kMiddle = 128.0, kContrast = 36.0, kLargestGain = 6.0;
+  const int side = 4 * window_px + 1;
+  cv::Mat surroundings, flat;
+  cv::boxFilter(image, surroundings, -1, {side, side});
+  cv::addWeighted(image, 1.0, surroundings, -1.0, kMiddle, flat);
+  cv::Scalar mean, spread;
+  cv::meanStdDev(flat, mean, spread);
+  const double gain =
+      std::clamp(kContrast / std::max(spread[0], 1e-3), 1.0 / kLargestGain, kLargestGain);
+  cv::addWeighted(image, gain, surroundings, -gain, kMiddle, flat);
+  return flat;
+}
 
 void build(ImageView<const std::uint8_t> from, const CornerOptions& options, bool slopes,
            Pyramid& out) {
   // OpenCV has no view of constant pixels; it only reads these.
-  const cv::Mat wrapped(from.height, from.width, CV_8UC1, const_cast<std::uint8_t*>(from.data),
-                        static_cast<std::size_t>(from.stride));
-  cv::buildOpticalFlowPyramid(wrapped, out.levels, {options.window_px, options.window_px},
-                              options.levels - 1, slopes);
-  out.image = out.levels[0];
+  out.image = cv::Mat(from.height, from.width, CV_8UC1, const_cast<std::uint8_t*>(from.data),
+                      static_cast<std::size_t>(from.stride));
+  cv::buildOpticalFlowPyramid(flattened(out.image, options.window_px), out.levels,
+                              {options.window_px, options.window_px}, options.levels - 1, slopes);
 }
 
 std::vector<cv::Point2f> points_of(std::span<const Eigen::Vector2d> places) {
@@ -135,7 +150,7 @@ void CornerTracker::see(ImageView<const std::uint8_t> left, ImageView<const std:
 }
 
 void CornerTracker::keep() {
-  impl_->kept = impl_->left;
+  impl_->kept.levels = impl_->left.levels;
 }
 
 void CornerTracker::follow(std::span<const Eigen::Vector2d> from, std::span<Eigen::Vector2d> to,

@@ -191,6 +191,23 @@ TEST(VisualOdometry, SomethingLargeThatPassesDoesNotPullItAlong) {
   EXPECT_LT(r.end_error_m(), 0.03);
 }
 
+TEST(VisualOdometry, ExposureChangesAndCamerasDiffer) {
+  const Drive r = drive(false, 60, [](int i, PlaneWorld::Pair& pair) {
+    const double exposure = 0.8 + 0.2 * std::sin(0.5 * i);
+    for (const bool left : {true, false}) {
+      Image<std::uint8_t>& image = left ? pair.left : pair.right;
+      for (int y = 0; y < image.height; ++y) {
+        for (int x = 0; x < image.width; ++x) {
+          image(x, y) = static_cast<std::uint8_t>(
+              left ? exposure * image(x, y) : 10.0 + 0.7 * exposure * image(x, y));
+        }
+      }
+    }
+  });
+  EXPECT_EQ(r.count(OdometryStatus::kTracked), 59);
+  EXPECT_LT(r.end_error_m(), 0.01);
+}
+
 TEST(VisualOdometry, AMotionPriorHoldsIt) {
   VisualOdometry odometry(plane_world_rig());
   const auto& view = pairs()[0];
