@@ -252,7 +252,7 @@ std::vector<PlaceMemory::Candidate> PlaceMemory::find(
     const PlaceView& query, std::size_t most, const std::function<bool(std::int64_t)>& may_be,
     const Context& context) const {
   const ScopedTimer timer(context, "slam/find_place");
-  constexpr int kLeastShared = 8;
+  constexpr int kLeastShared = 16;  // chance gives half of that
   std::vector<bool> known(static_cast<std::size_t>(kGroups) << kGroup);
   for (const PlaceView::Descriptor& d : query.descriptors) {
     for (int g = 0; g < kGroups; ++g) known[group_of(d, g)] = true;
@@ -269,7 +269,7 @@ std::vector<PlaceMemory::Candidate> PlaceMemory::find(
     if (shared >= kLeastShared) order.emplace_back(-shared, id);
   }
   std::sort(order.begin(), order.end());
-  order.resize(std::min(order.size(), 2 * most));
+  order.resize(std::min(order.size(), most + 1));
   std::vector<Candidate> found;
   for (const auto& [unlikeness, id] : order) {
     const int matched = static_cast<int>(match(places_.at(id), query, options_).size());
