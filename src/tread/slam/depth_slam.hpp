@@ -39,7 +39,7 @@ struct SlamOptions {
   // After it was lost, a frame must fit better than that to be believed.
   double least_matched_again = 0.5;
   double largest_rms_again = 1.5;
-  double largest_grey_again = 20.0;  // mean difference to the picture of that place
+  double largest_grey_again = 9.0;  // mean difference to the picture of that place
   double key_matched = 0.75;         // a new keyframe if less of the old one is in view
   double key_turn_deg = 12.0;        // or after such a turn
   double key_way = 0.12;             // or after so much way, part of the mean depth
