@@ -6,7 +6,6 @@
 #include <ceres/sphere_manifold.h>
 
 #include <algorithm>
-#include <deque>
 #include <memory>
 
 #include "tread/slam/inertial_cost.hpp"
@@ -49,11 +48,13 @@ class WindowProblem {
     const std::size_t n = frames.size(), free = static_cast<std::size_t>(options.free_keyframes);
     // The oldest is never free: it says where the world is.
     first_free_ = std::max<std::size_t>(1, n - std::min(n, free));
-    for (const WindowFrame& frame : frames) poses_.push_back(block_of(frame.T_world_camera));
+    state_.resize(n * kBlock + 3);
     for (std::size_t i = 0; i < n; ++i) {
-      problem_.AddParameterBlock(poses_[i].data(), 7, &pose_manifold_);
-      ordering_->AddElementToGroup(poses_[i].data(), 1);
-      if (i < first_free_) problem_.SetParameterBlockConstant(poses_[i].data());
+      const PoseBlock block = block_of(frames[i].T_world_camera);
+      std::copy(block.begin(), block.end(), pose(i));
+      problem_.AddParameterBlock(pose(i), 7, &pose_manifold_);
+      ordering_->AddElementToGroup(pose(i), 1);
+      if (i < first_free_) problem_.SetParameterBlockConstant(pose(i));
     }
   }
 
@@ -67,8 +68,8 @@ class WindowProblem {
       if (point.seen.size() < 2 || point.seen.back().frame < first_free_id) continue;
       for (const WindowPoint::Sighting& sighting : point.seen) {
         const auto i = static_cast<std::size_t>(frame_of(frames_, sighting.frame) - frames_.data());
-        problem_.AddResidualBlock(new SightCost(rig_, sighting.sight, sigma_px_), &loss_,
-                                  poses_[i].data(), places_[k].data());
+        problem_.AddResidualBlock(new SightCost(rig_, sighting.sight, sigma_px_), &loss_, pose(i),
+                                  places_[k].data());
         ++count;
       }
       ordering_->AddElementToGroup(places_[k].data(), 0);
@@ -77,33 +78,34 @@ class WindowProblem {
   }
 
   void add_inertia(const WindowInertia& inertia) {
-    gravity_ = inertia.gravity_world;
-    for (const WindowFrame& frame : frames_) {
-      Motion& motion = motions_.emplace_back();
-      motion << frame.velocity_m_per_s, frame.bias.gyro_rad_per_s, frame.bias.accel_m_per_s2;
+    Eigen::Map<Eigen::Vector3d> g(gravity());
+    g = inertia.gravity_world;
+    for (std::size_t i = 0; i < frames_.size(); ++i) {
+      Eigen::Map<Motion> m(motion(i));
+      m << frames_[i].velocity_m_per_s, frames_[i].bias.gyro_rad_per_s,
+          frames_[i].bias.accel_m_per_s2;
     }
     // Motions older than the free poses are known, unless there are no older ones.
     const std::size_t first = first_free_ > 1 ? first_free_ - 1 : 0;
     for (std::size_t i = first + 1; i < frames_.size(); ++i) {
       if (!frames_[i].since) continue;
       problem_.AddResidualBlock(new InertialCost(*frames_[i].since, inertia.T_camera_imu), nullptr,
-                                poses_[i - 1].data(), motions_[i - 1].data(), poses_[i].data(),
-                                motions_[i].data(), gravity_.data());
+                                pose(i - 1), motion(i - 1), pose(i), motion(i), gravity());
       has_inertia_ = true;
     }
     if (!has_inertia_) return;
     for (std::size_t i = first; i < frames_.size(); ++i) {
-      if (!problem_.HasParameterBlock(motions_[i].data())) continue;
-      ordering_->AddElementToGroup(motions_[i].data(), 1);
+      if (!problem_.HasParameterBlock(motion(i))) continue;
+      ordering_->AddElementToGroup(motion(i), 1);
       if (i < first_free_ && first_free_ > 1) {
-        problem_.SetParameterBlockConstant(motions_[i].data());
+        problem_.SetParameterBlockConstant(motion(i));
       } else if (i == first || !frames_[i].since) {
-        problem_.AddResidualBlock(new BiasPriorCost(frames_[i].bias), nullptr, motions_[i].data());
+        problem_.AddResidualBlock(new BiasPriorCost(frames_[i].bias), nullptr, motion(i));
       }
     }
-    problem_.SetManifold(gravity_.data(), &sphere_);
-    ordering_->AddElementToGroup(gravity_.data(), 1);
-    if (inertia.gravity_known) problem_.SetParameterBlockConstant(gravity_.data());
+    problem_.SetManifold(gravity(), &sphere_);
+    ordering_->AddElementToGroup(gravity(), 1);
+    if (inertia.gravity_known) problem_.SetParameterBlockConstant(gravity());
   }
 
   [[nodiscard]] bool solve() {
@@ -119,21 +121,28 @@ class WindowProblem {
     return summary.IsSolutionUsable();
   }
 
-  void give(const std::vector<WindowPoint*>& points, WindowInertia* inertia) const {
+  void give(const std::vector<WindowPoint*>& points, WindowInertia* inertia) {
     for (std::size_t i = first_free_; i < frames_.size(); ++i) {
-      frames_[i].T_world_camera = pose_of(poses_[i]);
+      PoseBlock block{};
+      std::copy(pose(i), pose(i) + block.size(), block.begin());
+      frames_[i].T_world_camera = pose_of(block);
     }
     for (std::size_t k = 0; k < points.size(); ++k) points[k]->p_world = places_[k];
     if (!has_inertia_) return;
-    inertia->gravity_world = gravity_;
+    inertia->gravity_world = Eigen::Map<Eigen::Vector3d>(gravity());
     for (std::size_t i = 0; i < frames_.size(); ++i) {
-      frames_[i].velocity_m_per_s = motions_[i].head<3>();
-      frames_[i].bias = {motions_[i].segment<3>(3), motions_[i].tail<3>()};
+      const Eigen::Map<Motion> m(motion(i));
+      frames_[i].velocity_m_per_s = m.head<3>();
+      frames_[i].bias = {m.segment<3>(3), m.tail<3>()};
     }
   }
 
  private:
   using Motion = Eigen::Matrix<double, 9, 1>;
+  static constexpr std::size_t kBlock = 16;
+  [[nodiscard]] double* pose(std::size_t i) { return state_.data() + kBlock * i; }
+  [[nodiscard]] double* motion(std::size_t i) { return pose(i) + 7; }
+  [[nodiscard]] double* gravity() { return pose(frames_.size()); }
   static ceres::Problem::Options borrowed() {
     ceres::Problem::Options options;
     options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -146,10 +155,10 @@ class WindowProblem {
   const WindowOptions& options_;
   std::vector<WindowFrame>& frames_;
   std::size_t first_free_ = 1;
-  std::vector<PoseBlock> poses_;
+  // Poses with their motions, then gravity. All in one piece of memory: Ceres orders parameters by
+  // their addresses, and another order rounds otherwise.
+  std::vector<double> state_;
   std::vector<Eigen::Vector3d> places_;
-  std::deque<Motion> motions_;  // stay where they are when more come
-  Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();
   bool has_inertia_ = false;
   PoseManifold pose_manifold_;
   ceres::SphereManifold<3> sphere_;

@@ -122,7 +122,7 @@ TEST(VisualOdometry, ErrorsOfASingleMotionAreWithinTheirCovariance) {
 }
 
 TEST(VisualOdometry, OneAndTwoThreadsAreEqualToTheBit) {
-  const Drive one = drive(true, 25), two = drive(true, 25, {}, {2, nullptr});
+  const Drive one = drive(true, 60), two = drive(true, 60, {}, {2, nullptr});
   for (std::size_t i = 0; i < one.states.size(); ++i) {
     EXPECT_EQ(one.states[i].T_world_camera.matrix(), two.states[i].T_world_camera.matrix()) << i;
   }
