@@ -14,7 +14,7 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 struct Pyramid {
   std::vector<cv::Mat> levels;  // of the flattened image
-  cv::Mat image;                // as given; borrowed
+  cv::Mat image;                // as given
 };
 
 // Following compares grey values as they are, and two images are seldom equally bright: the mean of
@@ -36,8 +36,9 @@ cv::Mat flattened(const cv::Mat& image, int window_px) {
 void build(ImageView<const std::uint8_t> from, const CornerOptions& options, bool slopes,
            Pyramid& out) {
   // OpenCV has no view of constant pixels; it only reads these.
-  out.image = cv::Mat(from.height, from.width, CV_8UC1, const_cast<std::uint8_t*>(from.data),
-                      static_cast<std::size_t>(from.stride));
+  cv::Mat(from.height, from.width, CV_8UC1, const_cast<std::uint8_t*>(from.data),
+          static_cast<std::size_t>(from.stride))
+      .copyTo(out.image);
   cv::buildOpticalFlowPyramid(flattened(out.image, options.window_px), out.levels,
                               {options.window_px, options.window_px}, options.levels - 1, slopes);
 }
@@ -144,7 +145,7 @@ CornerTracker& CornerTracker::operator=(CornerTracker&&) noexcept = default;
 void CornerTracker::see(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
                         const Context& context) {
   const ScopedTimer timer(context, "odometry/pyramids");
-  impl_->left = {};  // its memory may be that of what was kept
+  impl_->left.levels.clear();  // their memory may be that of what was kept
   build(left, impl_->options, true, impl_->left);
   build(right, impl_->options, false, impl_->right);
 }
