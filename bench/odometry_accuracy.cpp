@@ -6,7 +6,6 @@
 //   ms     processor time a frame, one thread, and of its stages
 // Usage: odometry_accuracy [--json] [--seconds N] [name=value ...]   (options of OdometryOptions)
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -15,6 +14,7 @@
 #include "plane_world.hpp"
 #include "rendered_scene.hpp"
 #include "stereo_pairs.hpp"
+#include "times.hpp"
 #include "tread/geometry/trajectory_error.hpp"
 #include "tread/pipeline/depth_frames.hpp"
 #include "tread/slam/inertial_start.hpp"
@@ -133,12 +133,6 @@ tread::Result<DriveResult> recorded(const std::filesystem::path& folder,
   }
 }
 
-double peak_memory_mb() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024.0;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -184,11 +178,12 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "{}\n", result.error().message());
   }
   for (const Drive& drive : drives()) tell(follow(drive, seconds, options));
-  all["peak_memory_mb"] = peak_memory_mb();
+  const double peak_mb = bench::peak_memory_mb();
+  all["peak_memory_mb"] = peak_mb;
   if (json) {
     fmt::print("{}\n", all.dump(2));
   } else {
-    fmt::print("peak memory {:.0f} MiB\n", peak_memory_mb());
+    fmt::print("peak memory {:.0f} MiB\n", peak_mb);
   }
   return 0;
 }

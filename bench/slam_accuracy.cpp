@@ -8,7 +8,6 @@
 //   ms      processor time a frame, one thread, and of its stages
 // Usage: slam_accuracy [--json] [--frames N] [name=value ...]   (options of SlamOptions)
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <cmath>
 #include <functional>
@@ -17,6 +16,7 @@
 #include "arguments.hpp"
 #include "rendered_scene.hpp"
 #include "stereo_pairs.hpp"
+#include "times.hpp"
 #include "tread/geometry/trajectory_error.hpp"
 #include "tread/pipeline/depth_frames.hpp"
 #include "tread/slam/depth_slam.hpp"
@@ -173,9 +173,7 @@ int main(int argc, char** argv) {
       tell(stereo ? "stereo" : "structured light", walk(w, stereo, frames, options));
     }
   }
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const double peak_mb = static_cast<double>(usage.ru_maxrss) / 1024.0;
+  const double peak_mb = bench::peak_memory_mb();
   all["peak_memory_mb"] = peak_mb;
   if (json) {
     fmt::print("{}\n", all.dump(2));

@@ -1,5 +1,7 @@
-// Times of benchmarks.
+// Times and memory of benchmarks.
 #pragma once
+
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <ctime>
@@ -12,6 +14,13 @@ inline double cpu_ms() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+// The most that this program has had in memory.
+inline double peak_memory_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
 // Of at least one value.

@@ -44,7 +44,7 @@ OptionSet describe(SlamSettings& settings) {
 }
 
 // KinFu large scale as paper Q used it (PCL): 3 m in 512 voxels, 30 mm, 4, 5 and 10 iterations, 10
-// cm and 20 degrees, one weight for all, depth alone.
+// cm and 20 degrees, one weight for all, depth alone, loops left open.
 SlamOptions paper_q_slam_options() {
   SlamOptions o;
   o.volume.voxel_m = 3.0 / 512.0;
@@ -62,6 +62,7 @@ SlamOptions paper_q_slam_options() {
   o.align.gate_m = 0.10;
   o.align.gate_angle_deg = 20.0;
   o.align.intensity = false;
+  o.loop.enabled = false;
   o.turn_first = false;
   o.integrate.farthest_m = 4.0;
   return o;

@@ -54,7 +54,6 @@ class SlamPipeline {
   // x ahead, y left, z up, by the IMU or, without, if the first camera was
   // level.
   [[nodiscard]] const DepthSlam& slam() const { return *slam_; }
-  [[nodiscard]] bool has_odometry() const { return odometry_.has_value(); }
 
  private:
   void start(const DepthFrames& frames);

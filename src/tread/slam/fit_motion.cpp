@@ -9,8 +9,6 @@
 namespace tread {
 namespace {
 
-constexpr double kLeastDepth_m = 0.05;
-
 // Numbers that follow from a seed on every machine (Steele, Lea, Flood 2014: SplitMix64).
 class Draws {
  public:
@@ -39,13 +37,9 @@ bool residual_of(const RectifiedRig& rig, const Isometry3d& T_camera_world, cons
   const Eigen::Vector3d q = T_camera_world * point.p_world;
   if (!(q.z() > kLeastDepth_m)) return false;
   Eigen::Matrix3d J;
-  row.r = stereo_projection(rig, q, &J) - point.sight.vector();
+  row.r = sight_residual(rig, q, point.sight, &J);
   row.J = J * point_by_twist(q);
-  row.coordinates = 3;
-  if (point.sight.has_right()) return true;
-  row.r.z() = 0.0;
-  row.J.row(2).setZero();
-  row.coordinates = 2;
+  row.coordinates = point.sight.has_right() ? 3 : 2;
   return true;
 }
 
@@ -53,9 +47,7 @@ double squared_error(const RectifiedRig& rig, const Isometry3d& T_camera_world,
                      const SeenPoint& point) {
   const Eigen::Vector3d q = T_camera_world * point.p_world;
   if (!(q.z() > kLeastDepth_m)) return std::numeric_limits<double>::infinity();
-  Eigen::Vector3d r = stereo_projection(rig, q) - point.sight.vector();
-  if (!point.sight.has_right()) r.z() = 0.0;
-  return r.squaredNorm();
+  return sight_residual(rig, q, point.sight).squaredNorm();
 }
 
 // The pose that three points ask for, by Gauss-Newton from the guess. Empty if it does not settle.

@@ -33,9 +33,7 @@ void forget_outliers(const RectifiedRig& rig, double limit_px,
     const Isometry3d& T = frame_of(frames, sighting.frame)->T_world_camera;
     const Eigen::Vector3d q = T.inverse() * point.p_world;
     if (!(q.z() > kLeastDepth_m)) return true;
-    Eigen::Vector3d r = stereo_projection(rig, q) - sighting.sight.vector();
-    if (!sighting.sight.has_right()) r.z() = 0.0;
-    return !(r.norm() < limit_px);
+    return !(sight_residual(rig, q, sighting.sight).norm() < limit_px);
   });
 }
 

@@ -7,8 +7,6 @@
 
 namespace tread {
 
-constexpr double kLeastDepth_m = 0.05;  // nearer points, and those behind the camera, are not seen
-
 // What a keyframe sees of a point, less what it should see, in sigma.
 class SightCost : public ceres::SizedCostFunction<3, 7, 3> {
  public:
@@ -23,13 +21,10 @@ class SightCost : public ceres::SizedCostFunction<3, 7, 3> {
     const Eigen::Vector3d in_camera = R_camera_world * (p - t);
     if (!(in_camera.z() > kLeastDepth_m)) return false;
     Eigen::Matrix3d J;
-    Eigen::Vector3d r = stereo_projection(rig_, in_camera, &J) - sight_.vector();
-    const bool has_right = sight_.has_right();
-    if (!has_right) r.z() = 0.0;
+    const Eigen::Vector3d r = sight_residual(rig_, in_camera, sight_, &J);
     Eigen::Map<Eigen::Vector3d> out(residuals);
     out = scale_ * r;
     if (jacobians == nullptr) return true;
-    if (!has_right) J.row(2).setZero();
     J *= scale_;
     const Eigen::Matrix3d J_world = J * R_camera_world;
     if (jacobians[0] != nullptr) {

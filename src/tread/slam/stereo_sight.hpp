@@ -34,6 +34,21 @@ struct StereoSight {
   return {u, rig.fy_px * y + rig.cy_px, u - spread + rig.cx_offset_px};
 }
 
+inline constexpr double kLeastDepth_m = 0.05;  // nearer points, and those behind it, are not seen
+
+// What is seen of a point q less what should be, pixels; the third is zero, and its row of J, where
+// the right camera does not see it.
+[[nodiscard]] inline Eigen::Vector3d sight_residual(const RectifiedRig& rig,
+                                                    const Eigen::Vector3d& q,
+                                                    const StereoSight& sight,
+                                                    Eigen::Matrix3d* J = nullptr) {
+  Eigen::Vector3d r = stereo_projection(rig, q, J) - sight.vector();
+  if (sight.has_right()) return r;
+  r.z() = 0.0;
+  if (J != nullptr) J->row(2).setZero();
+  return r;
+}
+
 // The point, left optical axes, of a sight with a right pixel and a disparity above that of
 // infinity.
 [[nodiscard]] inline Eigen::Vector3d point_of(const RectifiedRig& rig, const StereoSight& sight) {

@@ -1,6 +1,7 @@
-// Stereo visual odometry: rectified pairs in, the camera's path out. Corners are followed from pair
-// to pair, the pose is fitted to them robustly, and the last keyframes are refined together (the
-// scheme of Nister, Naroditsky, Bergen 2004, which paper R's rover drove by, with a window).
+// Stereo visual odometry: rectified pairs in, the camera's path out. Corners are followed from
+// the last keyframe, the pose is fitted to them robustly, and the last keyframes are refined
+// together (the scheme of Nister, Naroditsky, Bergen 2004, which paper R's rover drove by, with a
+// window).
 //
 //   tread::VisualOdometry odometry(rig);
 //   while (read(left, right)) {
