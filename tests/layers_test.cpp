@@ -45,6 +45,8 @@ const std::vector<HeavyHeader> kHeavy = {
     {"tiff", {"io"}},
     {"geotiff", {"io"}},
     {"xtiffio", {"io"}},
+    {"embree3/", {"sim"}},
+    {"mujoco/", {"sim"}},
     {"oneapi/", {"core"}},
     {"fmt/",
      {"core", "geometry", "stereo", "slam", "state", "terrain", "calibrate", "io", "plan", "robot",

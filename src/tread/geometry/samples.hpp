@@ -1,6 +1,7 @@
 // Time-stamped sensor samples, as every source yields them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -17,6 +18,49 @@ struct ImuSample {
   Eigen::Vector3d gyro_rad_per_s = Eigen::Vector3d::Zero();
   // The specific force: at rest 9.81 upwards, as what holds the unit pushes it up.
   Eigen::Vector3d accel_m_per_s2 = Eigen::Vector3d::Zero();
+};
+
+// A satellite fix, already in a local frame: x east, y north, z up from an agreed origin, metres.
+struct GnssFix {
+  std::int64_t stamp_ns = 0;
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  // What the receiver thinks of itself, one standard deviation level and upwards.
+  double sigma_level_m = 0.0;
+  double sigma_up_m = 0.0;
+};
+
+// Encoders and motors of the two driven sides.
+struct WheelSample {
+  std::int64_t stamp_ns = 0;
+  double left_rad = 0.0;  // turned since the start, forward positive, in steps of the encoder
+  double right_rad = 0.0;
+  double left_current_a = 0.0;  // of the motor, forward torque positive
+  double right_current_a = 0.0;
+};
+
+inline constexpr int kLegs = 4;        // left front, right front, left hind, right hind
+inline constexpr int kLegJoints = 12;  // of each leg HAA, HFE, KFE
+
+// Joints and feet of a robot with four legs.
+struct LegSample {
+  std::int64_t stamp_ns = 0;
+  std::array<double, kLegJoints> position_rad{};
+  std::array<double, kLegJoints> velocity_rad_per_s{};
+  std::array<double, kLegJoints> torque_nm{};
+  std::array<Eigen::Vector3d, kLegs> foot_force_n{};  // of the ground on the foot, body axes
+};
+
+// Where the pan-tilt unit of the head is. Pan turns left, tilt lowers the nose.
+struct HeadState {
+  std::int64_t stamp_ns = 0;
+  double pan_rad = 0.0;
+  double tilt_rad = 0.0;
+};
+
+// The bumper was pressed, or let go.
+struct BumpEvent {
+  std::int64_t stamp_ns = 0;
+  bool pressed = false;
 };
 
 // A pair of images taken at one time, as the cameras gave them (not yet rectified).

@@ -1,0 +1,2 @@
+# Tests of this module, built into tests/tread_tests.
+set(here ${CMAKE_CURRENT_LIST_DIR})
