@@ -58,6 +58,19 @@ Result<std::vector<std::pair<std::string, Field>>> Field::entries() const {
   return all;
 }
 
+Result<std::vector<Field>> Field::items() const {
+  if (node_->kind != Kind::kSequence) {
+    return error(ErrorCode::kBadFormat, "expected a list", "Write a list, '- ...' lines or [...]");
+  }
+  std::vector<Field> all;
+  for (std::size_t i = 0; i < node_->items.size(); ++i) {
+    Field item(node_->items[i], file_);
+    item.path_ = fmt::format("{}[{}]", path_, i);
+    all.push_back(std::move(item));
+  }
+  return all;
+}
+
 std::optional<Field> Field::find_any(std::initializer_list<const char*> keys) const {
   for (const char* key : keys) {
     if (const auto found = find(key)) return found;

@@ -1,4 +1,4 @@
-// Internal to io: a YAML or XML file as a tree of plain values, and `Field`, a place in it that
+// Internal to io and sim: a YAML or XML file as a tree of plain values, and `Field`, a place in it that
 // reads values and words error messages. Keeps the parsers' own types and exceptions in two files.
 #pragma once
 
@@ -43,6 +43,8 @@ class Field {
   [[nodiscard]] Result<Field> at(std::string_view key) const;
   // All entries of a map in the order of the file.
   [[nodiscard]] Result<std::vector<std::pair<std::string, Field>>> entries() const;
+  // All items of a sequence, as "name[0]", "name[1]", ...
+  [[nodiscard]] Result<std::vector<Field>> items() const;
   // The first that is there of several names for the same.
   [[nodiscard]] std::optional<Field> find_any(std::initializer_list<const char*> keys) const;
   [[nodiscard]] Result<Field> at_any(std::initializer_list<const char*> keys) const;
@@ -63,6 +65,8 @@ class Field {
   // "rig.yaml:12: left.fx"
   [[nodiscard]] std::string where() const;
   [[nodiscard]] const std::string& file() const { return file_; }
+  // "objects[3].pallet", whatever the file is called and its lines are.
+  [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] tl::unexpected<Error> error(ErrorCode code, std::string what,
                                             std::string remedy) const {
     return fail(code, std::move(what), where(), std::move(remedy));

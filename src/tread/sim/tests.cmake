@@ -1,5 +1,8 @@
 # Tests of this module, built into tests/tread_tests.
 set(here ${CMAKE_CURRENT_LIST_DIR})
 target_sources(tread_tests PRIVATE
+  ${here}/course_test.cpp
   ${here}/random_test.cpp
+  ${here}/relief_test.cpp
+  ${here}/world_test.cpp
 )
