@@ -1,5 +1,7 @@
 # Tests of this module, built into tests/tread_tests.
 set(here ${CMAKE_CURRENT_LIST_DIR})
 target_sources(tread_tests PRIVATE
+  ${here}/fault_test.cpp
   ${here}/random_test.cpp
+  ${here}/sensor_channel_test.cpp
 )
