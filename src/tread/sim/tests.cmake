@@ -2,7 +2,10 @@
 set(here ${CMAKE_CURRENT_LIST_DIR})
 target_sources(tread_tests PRIVATE
   ${here}/course_test.cpp
+  ${here}/fault_test.cpp
+  ${here}/imu_sensor_test.cpp
   ${here}/random_test.cpp
   ${here}/relief_test.cpp
+  ${here}/sensor_channel_test.cpp
   ${here}/world_test.cpp
 )

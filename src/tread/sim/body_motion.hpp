@@ -1,0 +1,20 @@
+// How a simulated body moves at one time: what its inertial sensors feel.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "tread/geometry/pose.hpp"
+
+namespace tread {
+
+struct BodyMotion {
+  Isometry3d T_world_body = Isometry3d::Identity();
+  // Of the origin of the body, in world axes; at rest both are zero.
+  Eigen::Vector3d velocity_m_per_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d acceleration_m_per_s2 = Eigen::Vector3d::Zero();
+  // Of the turn, in body axes.
+  Eigen::Vector3d rate_rad_per_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d rate_change_rad_per_s2 = Eigen::Vector3d::Zero();
+};
+
+}  // namespace tread
