@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <span>
 
 #include "tread/io/atomic_file.hpp"
 #include "tread/sim/course_builder.hpp"
@@ -93,8 +95,30 @@ Status read_objects(const Field& field, CourseBuilder& builder) {
   return {};
 }
 
-Result<World> read_world(const Field& root, const std::string& stem,
-                         std::optional<std::uint64_t> seed) {
+Status read_faults(const Field& field, std::vector<Fault>& faults) {
+  constexpr int kMostHeads = 8;
+  const auto items = field.items();
+  if (!items) return forward(items);
+  for (const Field& item : *items) {
+    CourseFields fields(item);
+    Fault fault;
+    fault.sensor = sensor_names(kMostHeads)[fields.choice("sensor", sensor_names(kMostHeads), 0)];
+    const auto kind = fields.choice("kind", fault_kind_names(), 0);
+    fault.kind = *fault_kind_named(fault_kind_names()[kind]);
+    fault.from_s = fields.number("from_s", 0.0, 0.0, 1e6);
+    fault.until_s = fields.number("until_s", std::numeric_limits<double>::infinity(), 0.0, 1e6);
+    fault.amount = fields.number("amount", 0.0, -1e6, 1e6);
+    if (Status s = fields.done(); !s) return s;
+    if (Status s = check_faults(std::span(&fault, 1), kMostHeads); !s) {
+      return item.error(s.error().code, s.error().what, s.error().remedy);
+    }
+    faults.push_back(std::move(fault));
+  }
+  return {};
+}
+
+Result<Course> read_course(const Field& root, const std::string& stem,
+                           std::optional<std::uint64_t> seed) {
   CourseFields fields(root);
   const int version = fields.whole("tread_course", 0, 0, 1'000'000);
   if (fields.good() && version != kVersion) {
@@ -112,7 +136,7 @@ Result<World> read_world(const Field& root, const std::string& stem,
       static_cast<Season>(fields.choice("season", {"spring", "summer", "autumn", "winter"}, 1));
   read_area(fields, builder);
   const auto sun = fields.find("sun"), start = fields.find("start"), ground = fields.find("ground"),
-             objects = fields.find("objects");
+             objects = fields.find("objects"), faults = fields.find("faults");
   world.route_m = fields.places("route_m", 0);
   if (sun && fields.good()) {
     if (Status s = read_sun(*sun, world); !s) return forward(s);
@@ -133,7 +157,12 @@ Result<World> read_world(const Field& root, const std::string& stem,
   }
   check_places(fields, world);
   if (Status s = fields.done(); !s) return forward(s);
-  return std::move(world);
+  Course course;
+  if (faults) {
+    if (Status s = read_faults(*faults, course.faults); !s) return forward(s);
+  }
+  course.world = std::make_shared<const World>(std::move(world));
+  return course;
 }
 
 }  // namespace
@@ -172,16 +201,16 @@ double distance_to_line(const std::vector<Eigen::Vector2d>& line, const Eigen::V
 
 }  // namespace internal
 
-Result<World> parse_course(const std::string& text, const std::filesystem::path& file,
-                           std::optional<std::uint64_t> seed) {
+Result<Course> parse_course(const std::string& text, const std::filesystem::path& file,
+                            std::optional<std::uint64_t> seed) {
   const auto tree = internal::parse_yaml(text, file.string());
   if (!tree) return forward(tree);
   return with_memory_checked(file.string(), "Make the course smaller", [&] {
-    return internal::read_world(internal::Field(*tree, file.string()), file.stem().string(), seed);
+    return internal::read_course(internal::Field(*tree, file.string()), file.stem().string(), seed);
   });
 }
 
-Result<World> read_course(const std::filesystem::path& path, std::optional<std::uint64_t> seed) {
+Result<Course> read_course(const std::filesystem::path& path, std::optional<std::uint64_t> seed) {
   const auto text = read_file(path, internal::kMostBytes);
   if (!text) return forward(text);
   return parse_course(*text, path, seed);

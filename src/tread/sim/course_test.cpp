@@ -19,15 +19,15 @@ namespace fs = std::filesystem;
 using Eigen::Vector2d;
 
 World made(const std::string& body) {
-  auto world =
+  const auto course =
       parse_course("tread_course: 1\nsize_m: [10, 8]\norigin_m: [-2, -4]\n" + body, "made.yaml");
-  EXPECT_TRUE(world) << world.error().message();
-  return world ? std::move(*world) : World{};
+  EXPECT_TRUE(course) << course.error().message();
+  return course ? *course->world : World{};
 }
 
 std::string refusal(const std::string& text) {
-  const auto world = parse_course(text, "made.yaml");
-  return world ? "no error" : world.error().message();
+  const auto course = parse_course(text, "made.yaml");
+  return course ? "no error" : course.error().message();
 }
 
 std::string refusal_of(const std::string& body) {
@@ -70,8 +70,9 @@ TEST(Course, MovingAnEntryDownTheFileChangesNothing) {
 TEST(Course, EveryShippedCourseIsSoundAndStartsOnFreeGround) {
   ASSERT_GE(course_names().size(), 10U);
   for (const std::string& name : course_names()) {
-    const auto world = find_course(name);
-    ASSERT_TRUE(world) << world.error().message();
+    const auto course = find_course(name);
+    ASSERT_TRUE(course) << course.error().message();
+    const World* world = course->world.get();
     EXPECT_FALSE(world->route_m.empty()) << name;
     for (const Solid& solid : world->solids) {
       const double away =
@@ -165,16 +166,30 @@ TEST(Course, HeightMapsFromGeoTiffAndPng) {
   const auto tif = with("file: hill.tif");
   ASSERT_TRUE(tif) << tif.error().message();
   // The map's corner lies on the course's: its first centre is a quarter of a metre in.
-  EXPECT_NEAR(ground_height(*tif, {1.75, -0.75}), 0.1 * 7 + 0.02 * 6, 1e-5);
-  EXPECT_NEAR(ground_height(*tif, {2.0, -0.75}), 0.1 * 7.5 + 0.02 * 6, 1e-5);
+  EXPECT_NEAR(ground_height(*tif->world, {1.75, -0.75}), 0.1 * 7 + 0.02 * 6, 1e-5);
+  EXPECT_NEAR(ground_height(*tif->world, {2.0, -0.75}), 0.1 * 7.5 + 0.02 * 6, 1e-5);
   const auto png = with("file: hill.png, resolution_m: 0.5, low_m: 0, high_m: 65.535");
   ASSERT_TRUE(png) << png.error().message();
-  EXPECT_NEAR(ground_height(*png, {1.75, 0.0}), 7.0, 2e-3);
+  EXPECT_NEAR(ground_height(*png->world, {1.75, 0.0}), 7.0, 2e-3);
 
   const auto missing = with("file: nowhere.tif");
   ASSERT_FALSE(missing);
   EXPECT_NE(missing.error().message().find("made.yaml:4"), std::string::npos);
   EXPECT_NE(missing.error().message().find("nowhere.tif"), std::string::npos);
+}
+
+TEST(Course, TellsWhichSensorsBreak) {
+  const auto course = parse_course(
+      "tread_course: 1\nsize_m: [3, 3]\nfaults:\n  - {sensor: gnss, kind: dead, from_s: 2, "
+      "until_s: 5}\n"
+      "  - {sensor: camera0, kind: frozen, from_s: 7}\n",
+      "made.yaml");
+  ASSERT_TRUE(course) << course.error().message();
+  ASSERT_EQ(course->faults.size(), 2U);
+  EXPECT_EQ(course->faults[0].kind, FaultKind::kDead);
+  EXPECT_EQ(course->faults[0].until_s, 5.0);
+  EXPECT_EQ(course->faults[1].sensor, "camera0");
+  EXPECT_TRUE(std::isinf(course->faults[1].until_s));
 }
 
 TEST(Course, RefusesAndSaysWhereAndWhatToDo) {
@@ -199,6 +214,8 @@ TEST(Course, RefusesAndSaysWhereAndWhatToDo) {
       {"objects: [{stepping_stones: {at_m: [0, 0], drop_m: 0.2}}]\n", "made.yaml:3",
        "below the ground"},
       {"objects: [{pallet: {at_m: [0, 0]}, rock: {at_m: [1, 1]}}]\n", "made.yaml:3", "one kind"},
+      {"faults: [{sensor: gps, kind: dead}]\n", "made.yaml:3", "imu, gnss"},
+      {"faults: [{sensor: imu, kind: dead, from_s: 9, until_s: 3}]\n", "made.yaml:3", "faults[0]"},
       {"resolution_m: 0.006\nsize_m: [90, 90]\n", "made.yaml", "size_m"},
   };
   for (const Case& c : cases) {
@@ -222,8 +239,8 @@ TEST(Course, DamagedFilesDoNoHarm) {
     for (const char byte : {'\0', '{', '-', '9', ':'}) {
       std::string changed = text;
       changed[at] = byte;
-      if (const auto world = parse_course(changed, "changed.yaml")) {
-        EXPECT_LE(world->ground.values.size(), 25'000'000U);
+      if (const auto course = parse_course(changed, "changed.yaml")) {
+        EXPECT_LE(course->world->ground.values.size(), 25'000'000U);
       }
     }
   }

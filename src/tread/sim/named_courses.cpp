@@ -23,7 +23,7 @@ std::optional<std::string_view> named_course_text(std::string_view name) {
   return std::nullopt;
 }
 
-Result<World> find_course(const std::string& file_or_name, std::optional<std::uint64_t> seed) {
+Result<Course> find_course(const std::string& file_or_name, std::optional<std::uint64_t> seed) {
   std::error_code ignored;
   if (std::filesystem::exists(file_or_name, ignored)) return read_course(file_or_name, seed);
   if (const auto text = named_course_text(file_or_name)) {

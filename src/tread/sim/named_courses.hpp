@@ -15,7 +15,7 @@ namespace tread {
 [[nodiscard]] std::optional<std::string_view> named_course_text(std::string_view name);
 
 // A file, or one of those names.
-[[nodiscard]] Result<World> find_course(const std::string& file_or_name,
+[[nodiscard]] Result<Course> find_course(const std::string& file_or_name,
                                         std::optional<std::uint64_t> seed = {});
 
 }  // namespace tread

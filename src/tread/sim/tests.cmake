@@ -1,6 +1,7 @@
 # Tests of this module, built into tests/tread_tests.
 set(here ${CMAKE_CURRENT_LIST_DIR})
 target_sources(tread_tests PRIVATE
+  ${here}/carried_body_test.cpp
   ${here}/course_test.cpp
   ${here}/fault_test.cpp
   ${here}/imu_sensor_test.cpp
