@@ -10,3 +10,4 @@ target_sources(tread_tests PRIVATE
   ${here}/sensor_channel_test.cpp
   ${here}/world_test.cpp
 )
+  ${here}/scene_test.cpp)
