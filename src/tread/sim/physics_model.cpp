@@ -196,6 +196,7 @@ void PhysicsModel::name_things() {
     } else if (name.starts_with("solid_")) {
       solid = &world_->solids[index(number_after(name, "solid_"))];
       thing.kind = Kind::kSolid;
+      solids_.push_back(geom);
     } else if (name.starts_with("person_")) {
       const std::string_view part = name.substr(name.rfind('_'));
       solid = &people[index(number_after(name, "person_"))][index(number_after(part, "_"))];
@@ -223,6 +224,20 @@ void PhysicsModel::move_people() {
       quat[0] = q.w();
       Eigen::Map<Row>(quat + 1) = q.vec();
       ++body;
+    }
+  }
+}
+
+// MuJoCo compares every part of the robot with every geom that may touch it, which takes most of
+// the time in a world of hundreds of solids: so those that are out of reach may not.
+void PhysicsModel::choose_near_solids() {
+  constexpr double kReachM = 3.0, kMovedM = 1.0;  // parts of robots are within 2 m of its body
+  const Eigen::Vector3d robot = at(data_->qpos, 0);
+  if (!(chosen_at_m_ && (robot - *chosen_at_m_).norm() < kMovedM)) {
+    chosen_at_m_ = robot;
+    for (const int geom : solids_) {
+      const double apart = (at(model_->geom_pos, geom) - robot).norm();
+      model_->geom_contype[geom] = apart < kReachM + model_->geom_rbound[geom] ? 1 : 0;
     }
   }
 }
@@ -292,12 +307,14 @@ Status PhysicsModel::check_numbers() const {
 
 Status PhysicsModel::step() {
   move_people();
+  choose_near_solids();
   if (Status done = guarded([&] { mj_step(model_.get(), data_.get()); }); !done) return done;
   update_treads();
   return check_numbers();
 }
 
 Status PhysicsModel::refresh() {
+  choose_near_solids();
   if (Status done = guarded([&] { mj_forward(model_.get(), data_.get()); }); !done) return done;
   update_treads();
   return check_numbers();

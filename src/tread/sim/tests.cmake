@@ -2,4 +2,5 @@
 set(here ${CMAKE_CURRENT_LIST_DIR})
 target_sources(tread_tests PRIVATE
   ${here}/physics_model_test.cpp
+  ${here}/walker_body_test.cpp
 )

@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numeric>
+#include <span>
+#include <utility>
 
 namespace tread {
 namespace {
@@ -161,6 +164,35 @@ void put_ground(Text& text, const World& world) {
       friction_attribute(footing_of(world.ground_materials.front().surface)));
 }
 
+void put_solid(Text& text, const Solid& solid, int number) {
+  const std::string name = fmt::format("solid_{}", number);
+  put(text, "<geom name=\"{}\"", name);
+  put_shape(text, solid, name);
+  put_pose(text, solid.T_world_solid);
+  put(text, " friction=\"{}\"/>\n", friction_attribute(footing_of(solid.material.surface)));
+}
+
+// MuJoCo compares the robot with every geom of a body that it may touch, so solids that lie
+// together make a body each: halved along the longer side until few are left.
+void split(const World& world, std::span<int> solids, std::vector<std::span<const int>>& patches) {
+  constexpr std::size_t kFew = 16;
+  if (solids.size() <= kFew) {
+    if (!solids.empty()) patches.push_back(solids);
+    return;
+  }
+  const auto place = [&](int i) -> Eigen::Vector2d {
+    return world.solids[static_cast<std::size_t>(i)].T_world_solid.translation().head<2>();
+  };
+  Eigen::AlignedBox2d box;
+  for (const int i : solids) box.extend(place(i));
+  const int axis = box.sizes().x() >= box.sizes().y() ? 0 : 1;
+  std::sort(solids.begin(), solids.end(), [&](int a, int b) {
+    return std::pair(place(a)(axis), a) < std::pair(place(b)(axis), b);
+  });
+  split(world, solids.first(solids.size() / 2), patches);
+  split(world, solids.subspan(solids.size() / 2), patches);
+}
+
 void put_solids(Text& text, const World& world) {
   put(text, "<asset>\n");
   for (std::size_t i = 0; i < world.solids.size(); ++i) {
@@ -169,13 +201,14 @@ void put_solids(Text& text, const World& world) {
     }
   }
   put(text, "</asset>\n<worldbody>\n");
-  for (std::size_t i = 0; i < world.solids.size(); ++i) {
-    const Solid& solid = world.solids[i];
-    const std::string name = fmt::format("solid_{}", i);
-    put(text, "<geom name=\"{}\"", name);
-    put_shape(text, solid, name);
-    put_pose(text, solid.T_world_solid);
-    put(text, " friction=\"{}\"/>\n", friction_attribute(footing_of(solid.material.surface)));
+  std::vector<int> all(world.solids.size());
+  std::iota(all.begin(), all.end(), 0);
+  std::vector<std::span<const int>> patches;
+  split(world, all, patches);
+  for (const std::span<const int> patch : patches) {
+    put(text, "<body>\n");
+    for (const int i : patch) put_solid(text, world.solids[static_cast<std::size_t>(i)], i);
+    put(text, "</body>\n");
   }
   put(text, "</worldbody>\n");
 }
