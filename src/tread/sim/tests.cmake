@@ -11,3 +11,6 @@ target_sources(tread_tests PRIVATE
   ${here}/world_test.cpp
 )
   ${here}/scene_test.cpp)
+  ${here}/physics_model_test.cpp
+  ${here}/walker_body_test.cpp
+)
