@@ -2,6 +2,7 @@
 set(here ${CMAKE_CURRENT_LIST_DIR})
 target_sources(tread_tests PRIVATE
   ${here}/fault_test.cpp
+  ${here}/gnss_sensor_test.cpp
   ${here}/imu_sensor_test.cpp
   ${here}/random_test.cpp
   ${here}/sensor_channel_test.cpp
