@@ -1,10 +1,13 @@
 # Tests of this module, built into tests/tread_tests.
 set(here ${CMAKE_CURRENT_LIST_DIR})
 target_sources(tread_tests PRIVATE
+  ${here}/body_sensors_test.cpp
   ${here}/carried_body_test.cpp
   ${here}/course_test.cpp
   ${here}/fault_test.cpp
+  ${here}/gnss_sensor_test.cpp
   ${here}/imu_sensor_test.cpp
+  ${here}/pan_tilt_test.cpp
   ${here}/random_test.cpp
   ${here}/relief_test.cpp
   ${here}/sensor_channel_test.cpp
