@@ -1,4 +1,5 @@
 # Tests of this module, built into tests/tread_tests.
 set(here ${CMAKE_CURRENT_LIST_DIR})
 target_sources(tread_tests PRIVATE
+  ${here}/camera_view_test.cpp
   ${here}/scene_test.cpp)
