@@ -84,24 +84,25 @@ GroundSurface::Hit GroundSurface::hit(std::uint32_t part, const Eigen::Vector3d&
   return {distance, Eigen::Vector3d(-slope.x(), -slope.y(), 1.0).normalized()};
 }
 
-Eigen::Vector3d GroundSurface::smooth_normal(const Eigen::Vector2d& place,
+Eigen::Vector3f GroundSurface::smooth_normal(const Eigen::Vector2d& place,
                                              const Eigen::Vector3d& flat) const {
   const GridGeometry& cells = world_->ground.geometry;
-  const Eigen::Vector2d p = (place - first_) / resolution_m_;
+  const Eigen::Vector2d p = (place - first_) * (1.0 / resolution_m_);
   const int x = std::clamp(static_cast<int>(p.x()), 0, cells.columns - 2),
             y = std::clamp(static_cast<int>(p.y()), 0, cells.rows - 2);
   const auto a = static_cast<float>(p.x() - x), b = static_cast<float>(p.y() - y);
   const Eigen::Vector2f* low =
       &slopes_[static_cast<std::size_t>(y) * columns_ + static_cast<std::size_t>(x)];
   const Eigen::Vector2f* high = low + columns_;
-  const Eigen::Vector2f slope =
-      (1.0F - b) * (low[0] + a * (low[1] - low[0])) + b * (high[0] + a * (high[1] - high[0]));
-  const Eigen::Vector3d smooth =
-      Eigen::Vector3d(-static_cast<double>(slope.x()), -static_cast<double>(slope.y()), 1.0)
-          .normalized();
-  const float share = smooth_step(0.85F, 0.97F, static_cast<float>(smooth.dot(flat)));
+  const Eigen::Vector2f west = low[0] + b * (high[0] - low[0]),
+                        east = low[1] + b * (high[1] - low[1]);
+  const Eigen::Vector2f slope = west + a * (east - west);
+  const Eigen::Vector3f smooth = Eigen::Vector3f(-slope.x(), -slope.y(), 1.0F) /
+                                 std::sqrt(1.0F + slope.squaredNorm()),
+                        hard = flat.cast<float>();
+  const float share = smooth_step(0.85F, 0.97F, smooth.dot(hard));
   if (share >= 1.0F) return smooth;
-  return (flat + static_cast<double>(share) * (smooth - flat)).normalized();
+  return (hard + share * (smooth - hard)).normalized();
 }
 
 int GroundSurface::material(const Eigen::Vector2d& place) const {

@@ -27,7 +27,7 @@ class GroundSurface {
                         const Eigen::Vector3d& direction, double rough) const;
   // The normal of a smooth surface through the heights, for light; `flat`, that of the triangle,
   // where the ground has an edge.
-  [[nodiscard]] Eigen::Vector3d smooth_normal(const Eigen::Vector2d& place,
+  [[nodiscard]] Eigen::Vector3f smooth_normal(const Eigen::Vector2d& place,
                                               const Eigen::Vector3d& flat) const;
   // Index into ground_materials. Borders between materials are ragged by less than a cell: cells
   // are how the world is written, not how it looks.

@@ -56,10 +56,19 @@ inline constexpr std::uint32_t kHashStepX = 0x9E3779B1U, kHashStepY = 0x85EBCA77
 [[nodiscard, gnu::always_inline]] constexpr float mix(float a, float b, float share) {
   return a + share * (b - a);
 }
+[[nodiscard, gnu::always_inline]] constexpr float magnitude(float x) {
+  return x < 0.0F ? -x : x;
+}
+// Cut to 0 to 1, to 1e-7; by magnitudes, since two comparisons in a row are a branch to compilers.
+[[nodiscard, gnu::always_inline]] constexpr float clamped(float x) {
+  return 0.5F * (magnitude(x) - magnitude(x - 1.0F) + 1.0F);
+}
+[[nodiscard, gnu::always_inline]] constexpr float larger_of(float a, float b) {
+  return 0.5F * (a + b + magnitude(a - b));
+}
 // 0 below `low`, 1 above `high`, without a corner between.
 [[nodiscard, gnu::always_inline]] constexpr float smooth_step(float low, float high, float x) {
-  const float s = (x - low) / (high - low);
-  const float t = s < 0.0F ? 0.0F : s > 1.0F ? 1.0F : s;
+  const float t = clamped((x - low) / (high - low));
   return t * t * (3.0F - 2.0F * t);
 }
 [[nodiscard, gnu::always_inline]] constexpr float fade(float t) {

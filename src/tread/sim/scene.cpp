@@ -179,7 +179,8 @@ Spot Scene::Parts::spot(std::uint32_t id, std::uint32_t part, double rough,
 
 void Scene::Parts::fill(const Spot& spot, const Eigen::Vector3d& o, const Eigen::Vector3d& d,
                         float spread, SurfaceBatch& points, std::size_t i) const {
-  Eigen::Vector3d flat = spot.normal, smooth = spot.normal;
+  Eigen::Vector3d flat = spot.normal;
+  Eigen::Vector3f smooth = spot.normal.cast<float>();
   TexturePlace at{spot.point, sun};
   float clear = 0.0F;
   switch (spot.kind) {
@@ -205,7 +206,8 @@ void Scene::Parts::fill(const Spot& spot, const Eigen::Vector3d& o, const Eigen:
                  : world->solids[static_cast<std::size_t>(spot.index)].half_m;
       at = texture_place(material.surface, sides, spot.point, spot.normal,
                          T.linear().transpose() * sun);
-      flat = smooth = T.linear() * spot.normal;
+      flat = T.linear() * spot.normal;
+      smooth = flat.cast<float>();
       break;
     }
   }
@@ -220,16 +222,20 @@ void Scene::Parts::fill(const Spot& spot, const Eigen::Vector3d& o, const Eigen:
   points.sun_w[i] = static_cast<float>(at.sun.z());
   points.footprint_m[i] =
       spread * static_cast<float>(spot.distance / std::sqrt(std::max(std::abs(facing), 0.02)));
-  points.normal_x[i] = static_cast<float>(smooth.x());
-  points.normal_y[i] = static_cast<float>(smooth.y());
-  points.normal_z[i] = static_cast<float>(smooth.z());
+  points.normal_x[i] = smooth.x();
+  points.normal_y[i] = smooth.y();
+  points.normal_z[i] = smooth.z();
   // Off the surface, on the side it is seen from, by more than single precision may be wrong.
-  const double off = (2e-4 + 2e-6 * point.norm()) * (facing < 0.0 ? -1.0 : 1.0);
+  // Leaves are lit from either side.
+  const bool leaf = spot.kind == HitKind::kFoliage;
+  const bool turned = leaf ? flat.dot(sun) < 0.0 : facing < 0.0;
+  const double off = (2e-4 + 2e-6 * point.norm()) * (turned ? -1.0 : 1.0);
   for (int axis = 0; axis < 3; ++axis) {
     points.from[static_cast<std::size_t>(axis)][i] =
         static_cast<float>(point(axis) + off * flat(axis));
   }
   points.clear_m[i] = clear;
+  points.through[i] = leaf ? 0.5F : 0.0F;
 }
 
 Scene::Scene(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}

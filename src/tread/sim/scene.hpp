@@ -56,6 +56,7 @@ struct SurfaceBatch {
   alignas(64) Row<float> normal_x, normal_y, normal_z;  // unit; smoothed on the ground
   alignas(64) std::array<Row<float>, 3> from;           // where a ray to the sun starts, scene axes
   alignas(64) Row<float> clear_m;                       // how far it goes before it may be blocked
+  alignas(64) Row<float> through;  // share of the sun behind it that shines through
 };
 
 class Scene {

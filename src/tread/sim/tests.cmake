@@ -13,6 +13,8 @@ target_sources(tread_tests PRIVATE
   ${here}/sensor_channel_test.cpp
   ${here}/world_test.cpp
 )
+  ${here}/camera_view_test.cpp
+  ${here}/image_sensor_test.cpp
   ${here}/scene_test.cpp)
   ${here}/physics_model_test.cpp
   ${here}/walker_body_test.cpp

@@ -49,7 +49,7 @@ Eigen::Vector3f tint_of(Surface surface) {
       return {0.14F, 0.04F, -0.14F};
     case Surface::kGrass:
     case Surface::kLeaves:
-      return {0.38F, 0.04F, -0.10F};
+      return {0.40F, 0.10F, 0.14F};
     case Surface::kPlanks:
     case Surface::kBark:
       return {0.12F, -0.02F, -0.14F};

@@ -30,21 +30,18 @@ struct Block {
 
 // A lattice step that is seen through a pixel: not at all below 1.2 pixels, in full from 2.4.
 HWY_INLINE float seen(float step, float pixel) {
-  const float share = step / (1.2F * pixel) - 1.0F;
-  return share < 0.0F ? 0.0F : share > 1.0F ? 1.0F : share;
+  return clamped(step / (1.2F * pixel) - 1.0F);
 }
-HWY_INLINE float clamped(float x, float low, float high) {
-  const float raised = x < low ? low : x;
-  return raised > high ? high : raised;
-}
-HWY_INLINE float magnitude(float x) {
-  return x < 0.0F ? -x : x;
+HWY_INLINE float within(float x, float low, float high) {
+  return low + (high - low) * clamped((x - low) / (high - low));
 }
 // Like a sine of period 1.
 HWY_INLINE float wave(float x) {
   const float t = x - static_cast<float>(lattice_floor(x)) - 0.5F;
   return 16.0F * t * (magnitude(t) - 0.5F);
 }
+
+constexpr float kAhead = 0.3F;  // steps towards the sun, to see whether the surface rises
 
 // Octaves of noise with steps from `coarse` down to `fine` metres.
 struct Octaves {
@@ -56,23 +53,56 @@ struct Octaves {
   float stretch = 1.0F;  // along u in the plane, along w in space
 };
 
+HWY_INLINE void add_flat_step(Block& b, float fu, float fv, float height, std::uint32_t seed) {
+  const float step = 1.0F / fv;
+  for (int i = 0; i < kN; ++i) {
+    b.sum[i] += seen(step, b.pixel[i]) * height * gradient_noise(b.u[i] * fu, b.v[i] * fv, seed);
+  }
+}
+HWY_INLINE void add_flat_relief(Block& b, float fu, float fv, float height, float relief,
+                                std::uint32_t seed) {
+  const float step = 1.0F / fv;
+  for (int i = 0; i < kN; ++i) {
+    const float u = b.u[i] * fu, v = b.v[i] * fv, share = seen(step, b.pixel[i]) * height;
+    const float here = gradient_noise(u, v, seed);
+    const float there = gradient_noise(u + kAhead * b.sun_u[i], v + kAhead * b.sun_v[i], seed);
+    b.sum[i] += share * here;
+    b.relief[i] += share * relief * (here - there);
+  }
+}
+
 void add_flat(Block& b, const Octaves& o) {
   float height = o.height;
   std::uint32_t seed = b.seed ^ hash_mix(o.salt);
   for (float step = o.coarse; step >= o.fine && seen(step, b.finest) > 0.0F;
        step *= 0.5F, height *= o.gain, seed += kHashStepZ) {
     const float fv = 1.0F / step, fu = fv / o.stretch;
-    const float relief = o.relief * height;
-    for (int i = 0; i < kN; ++i) {
-      const float u = b.u[i] * fu, v = b.v[i] * fv;
-      const float share = seen(step, b.pixel[i]);
-      const float here = gradient_noise(u, v, seed);
-      b.sum[i] += share * height * here;
-      if (relief > 0.0F) {
-        const float there = gradient_noise(u + 0.3F * b.sun_u[i], v + 0.3F * b.sun_v[i], seed);
-        b.relief[i] += share * relief * (here - there);
-      }
+    if (o.relief > 0.0F) {
+      add_flat_relief(b, fu, fv, height, o.relief, seed);
+    } else {
+      add_flat_step(b, fu, fv, height, seed);
     }
+  }
+}
+
+HWY_INLINE void add_solid_step(Block& b, float f, float fw, float height, std::uint32_t seed) {
+  const float step = 1.0F / f;
+  for (int i = 0; i < kN; ++i) {
+    b.sum[i] +=
+        seen(step, b.pixel[i]) * height * gradient_noise(b.u[i] * f, b.v[i] * f, b.w[i] * fw, seed);
+  }
+}
+HWY_INLINE void add_solid_relief(Block& b, float f, float fw, float height, float relief,
+                                 std::uint32_t seed) {
+  const float step = 1.0F / f;
+  for (int i = 0; i < kN; ++i) {
+    const float u = b.u[i] * f, v = b.v[i] * f, w = b.w[i] * fw;
+    const float share = seen(step, b.pixel[i]) * height;
+    const float here = gradient_noise(u, v, w, seed);
+    const float there = gradient_noise(u + kAhead * b.sun_u[i], v + kAhead * b.sun_v[i],
+                                       w + kAhead * b.sun_w[i], seed);
+    b.sum[i] += share * here;
+    b.relief[i] += share * relief * (here - there);
   }
 }
 
@@ -82,17 +112,10 @@ void add_solid(Block& b, const Octaves& o) {
   for (float step = o.coarse; step >= o.fine && seen(step, b.finest) > 0.0F;
        step *= 0.5F, height *= o.gain, seed += kHashStepZ) {
     const float f = 1.0F / step, fw = f / o.stretch;
-    const float relief = o.relief * height;
-    for (int i = 0; i < kN; ++i) {
-      const float u = b.u[i] * f, v = b.v[i] * f, w = b.w[i] * fw;
-      const float share = seen(step, b.pixel[i]);
-      const float here = gradient_noise(u, v, w, seed);
-      b.sum[i] += share * height * here;
-      if (relief > 0.0F) {
-        const float there = gradient_noise(u + 0.3F * b.sun_u[i], v + 0.3F * b.sun_v[i],
-                                           w + 0.3F * b.sun_w[i], seed);
-        b.relief[i] += share * relief * (here - there);
-      }
+    if (o.relief > 0.0F) {
+      add_solid_relief(b, f, fw, height, o.relief, seed);
+    } else {
+      add_solid_step(b, f, fw, height, seed);
     }
   }
 }
@@ -139,7 +162,7 @@ void gravel(Block& b) {
       // Squared distances differ in proportion to how far the gap is.
       const float edge = smooth_step(0.02F, 0.16F + b.pixel[i] * f, stone.second - stone.nearest);
       const std::uint32_t h = hash_mix(stone.stone);
-      const float there = unit(h << 12) < 0.72F ? edge : 0.0F;
+      const float there = edge * static_cast<float>(unit(h << 12) < 0.72F);
       const float dome = 0.25F - stone.nearest;
       tone[i] +=
           share * (there * (0.75F * signed_unit(h) + 0.5F * dome + 0.2F) - (1.0F - edge) * 0.30F);
@@ -193,7 +216,7 @@ void grass(Block& b) {
       const float share = seen(width, b.pixel[i]);
       const float blade = gradient_noise(along, across, seed);
       const float high = share * (1.6F * blade - 0.1F) + (share - 1.0F) * 0.5F;
-      top[i] = high > top[i] ? high : top[i];
+      top[i] = larger_of(top[i], high);
     }
   }
   for (int i = 0; i < kN; ++i) {
@@ -241,9 +264,9 @@ void planks(Block& b) {
     // The gap, as much as the pixel sees of it.
     const float to_gap = kWidth * (0.5F - magnitude(in));
     const float blur = 0.5F * b.pixel[i] + 0.0005F;
-    const float covered = clamped((to_gap + blur - 0.5F * kGap) / (2.0F * blur), 0.0F, 1.0F);
-    b.sum[i] -= 0.75F * (1.0F - covered) * clamped(kGap / blur, 0.0F, 1.0F);
-    b.relief[i] -= 0.5F * (1.0F - covered) * clamped(kGap / blur, 0.0F, 1.0F);
+    const float covered = clamped((to_gap + blur - 0.5F * kGap) / (2.0F * blur));
+    b.sum[i] -= 0.75F * (1.0F - covered) * clamped(kGap / blur);
+    b.relief[i] -= 0.5F * (1.0F - covered) * clamped(kGap / blur);
   }
   // Grain: streaks along the board.
   add_flat(b, {0.10F, 0.002F, 0.20F, 1.0F, 0.25F, 18, 11.0F});
@@ -349,22 +372,35 @@ void texture_here(Surface surface, float contrast, std::uint32_t seed, const Tex
     }
     look(surface, b);
     for (int i = 0; i < kN; ++i) {
-      rows.value[first + i] = clamped(1.0F + contrast * b.sum[i], 0.12F, 2.4F);
-      rows.hue[first + i] = clamped(contrast * b.hue[i], -1.0F, 1.0F);
-      rows.relief[first + i] = clamped(1.0F + contrast * b.relief[i], 0.1F, 1.9F);
+      rows.value[first + i] = within(1.0F + contrast * b.sum[i], 0.12F, 2.4F);
+      rows.hue[first + i] = within(contrast * b.hue[i], -1.0F, 1.0F);
+      rows.relief[first + i] = within(1.0F + contrast * b.relief[i], 0.1F, 1.9F);
     }
   }
 }
 
 void cloud_here(const float* x, const float* y, const float* z, int count, std::uint32_t seed,
                 float* cloud) {
+  constexpr int kOctaves = 6;
   for (int first = 0; first < count; first += kN) {
-    for (int i = first; i < first + kN; ++i) {
+    alignas(64) Lanes u, v, sum;
+    for (int i = 0; i < kN; ++i) {
       // On a layer that bends down towards the horizon.
-      const float up = z[i] > 0.0F ? z[i] : 0.0F;
-      const float scale = 1.6F / (up + 0.12F);
-      const float n = fbm(x[i] * scale, y[i] * scale, 6, 0.62F, seed);
-      cloud[i] = smooth_step(-0.12F, 0.55F, n) * smooth_step(0.0F, 0.25F, up + 0.06F);
+      const float scale = 1.6F / (larger_of(z[first + i], 0.0F) + 0.12F);
+      u[i] = x[first + i] * scale;
+      v[i] = y[first + i] * scale;
+      sum[i] = 0.0F;
+    }
+    float height = 1.0F, frequency = 1.0F;
+    for (int k = 0; k < kOctaves; ++k, height *= 0.62F, frequency *= 2.0F) {
+      const std::uint32_t layer = seed + static_cast<std::uint32_t>(k) * kHashStepZ;
+      for (int i = 0; i < kN; ++i) {
+        sum[i] += height * gradient_noise(frequency * u[i], frequency * v[i], layer);
+      }
+    }
+    for (int i = 0; i < kN; ++i) {
+      const float above = smooth_step(-0.06F, 0.19F, z[first + i]);
+      cloud[first + i] = smooth_step(-0.12F, 0.55F, sum[i]) * above;
     }
   }
 }
