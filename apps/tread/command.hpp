@@ -127,7 +127,8 @@ void draw_plan(MapPicture& picture, const Plan& plan, const Eigen::Vector2d& sta
 [[nodiscard]] std::string command_line(int argc, const char* const* argv);
 
 // The names of the commands, for messages.
-inline constexpr std::array<const char*, 5> kCommands = {"depth", "slam", "map", "plan", "info"};
+inline constexpr std::array<const char*, 6> kCommands = {"depth", "slam",     "map",
+                                                         "plan",  "simulate", "info"};
 // The whole program: parses, runs, gives the exit status. 0: the work was done; 1: it was not; 2:
 // the command line was wrong.
 int run_program(int argc, const char* const* argv, const std::string& version);
@@ -137,6 +138,7 @@ void add_depth_command(CLI::App& app, int& status, const std::string& command_li
 void add_slam_command(CLI::App& app, int& status, const std::string& command_line);
 void add_map_command(CLI::App& app, int& status, const std::string& command_line);
 void add_plan_command(CLI::App& app, int& status);
+void add_simulate_command(CLI::App& app, int& status, const std::string& command_line);
 void add_info_command(CLI::App& app, int& status);
 
 }  // namespace tread

@@ -82,6 +82,7 @@ int run_program(int argc, const char* const* argv, const std::string& version) {
   add_slam_command(app, status, line);
   add_map_command(app, status, line);
   add_plan_command(app, status);
+  add_simulate_command(app, status, line);
   add_info_command(app, status);
   for (CLI::App* command : app.get_subcommands({})) {
     for (CLI::Option* option : command->get_options()) {

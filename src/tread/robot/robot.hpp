@@ -37,9 +37,9 @@ struct HeadCommand {
 
 // What is left out goes on as it was told last.
 struct RobotCommand {
-  std::optional<DriveCommand> drive;
-  std::optional<JointCommand> joints;
-  std::optional<HeadCommand> head;
+  std::optional<DriveCommand> drive = {};
+  std::optional<JointCommand> joints = {};
+  std::optional<HeadCommand> head = {};
 };
 
 // A pair of images, and which of the robot's stereo heads took it.

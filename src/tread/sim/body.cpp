@@ -12,33 +12,31 @@
 namespace tread {
 namespace {
 
-constexpr double kGravity = 9.81;      // m/s^2
 constexpr double kMostDepthM = 0.003;  // that a robot may be inside something where it is put
 constexpr double kMostMovedM = 0.25;   // while it settles
 constexpr double kMostTiltedRad = 0.7;
 
-Eigen::Vector3d velocity_at(const BodyMotion& motion, const Eigen::Vector3d& p_body) {
-  return motion.velocity_m_per_s +
-         motion.turn_rad_per_s.cross(motion.T_world_body.linear() * p_body);
-}
-
 }  // namespace
 
 Body::Body(PhysicsModel physics) : physics_(std::move(physics)) {
-  look();
-  before_ = now_;
+  look(0.0);
 }
 
-void Body::look() {
+// Where it is now; accelerations from what it was `passed_s` ago, none if no time has passed.
+void Body::look(double passed_s) {
+  const BodyMotion before = now_;
   const mjData_& data = physics_.data();
-  now_.time_s = data.time;
   now_.T_world_body.translation() << data.qpos[0], data.qpos[1], data.qpos[2];
   const Eigen::Quaterniond q(data.qpos[3], data.qpos[4], data.qpos[5], data.qpos[6]);
   now_.T_world_body.linear() = q.normalized().toRotationMatrix();
   now_.velocity_m_per_s << data.qvel[0], data.qvel[1], data.qvel[2];
-  // MuJoCo has the turn of a free body in its own axes.
-  now_.turn_rad_per_s =
-      now_.T_world_body.linear() * Eigen::Vector3d(data.qvel[3], data.qvel[4], data.qvel[5]);
+  // MuJoCo has the turn of a free body in its own axes, as we do.
+  now_.rate_rad_per_s << data.qvel[3], data.qvel[4], data.qvel[5];
+  now_.acceleration_m_per_s2.setZero();
+  now_.rate_change_rad_per_s2.setZero();
+  if (passed_s <= 0.0) return;
+  now_.acceleration_m_per_s2 = (now_.velocity_m_per_s - before.velocity_m_per_s) / passed_s;
+  now_.rate_change_rad_per_s2 = (now_.rate_rad_per_s - before.rate_rad_per_s) / passed_s;
 }
 
 Status Body::step() {
@@ -47,23 +45,9 @@ Status Body::step() {
   for (int i = 0; i < 3; ++i) pushed[i] = push_left_s_ > 0.0 ? push_n_(i) : 0.0;
   push_left_s_ -= step_s();
   if (Status done = physics_.step(); !done) return done;
-  before_ = now_;
-  look();
+  look(step_s());
   follow();
   return {};
-}
-
-ImuSample Body::imu_at(const Isometry3d& T_body_imu) const {
-  const Eigen::Matrix3d R_imu_world =
-      (now_.T_world_body.linear() * T_body_imu.linear()).transpose();
-  const Eigen::Vector3d p = T_body_imu.translation();
-  const Eigen::Vector3d acceleration =
-      (velocity_at(now_, p) - velocity_at(before_, p)) / physics_.step_s();
-  ImuSample sample;
-  sample.stamp_ns = std::llround(1e9 * now_.time_s);
-  sample.gyro_rad_per_s = R_imu_world * now_.turn_rad_per_s;
-  sample.accel_m_per_s2 = R_imu_world * (acceleration + kGravity * Eigen::Vector3d::UnitZ());
-  return sample;
 }
 
 void Body::push(const Eigen::Vector3d& force_n, double duration_s) {
@@ -103,14 +87,12 @@ Status Body::stand_at(const Isometry3d& T_world_body, double settle_s, const std
   const std::string where = fmt::format("{} at x {:.2f} m, y {:.2f} m", robot, p.x(), p.y());
   if (Status done = physics_.set_time(-settle_s); !done) return done;
   if (Status done = lift_out(T_world_body, where); !done) return done;
-  look();
-  before_ = now_;
+  look(0.0);
   for (double t = 0.0; t < settle_s; t += step_s()) {
     if (Status done = step(); !done) return done;
   }
   if (Status done = physics_.set_time(0.0); !done) return done;
-  look();
-  before_ = now_;
+  look(0.0);
   const double moved = (now_.T_world_body.translation() - p).head<2>().norm();
   const double tilt = std::acos(std::clamp(now_.T_world_body.linear()(2, 2), -1.0, 1.0));
   if (moved <= kMostMovedM && tilt <= kMostTiltedRad) return {};

@@ -5,18 +5,10 @@
 #include <string>
 
 #include "tread/geometry/pose.hpp"
-#include "tread/geometry/samples.hpp"
+#include "tread/sim/body_motion.hpp"
 #include "tread/sim/physics_model.hpp"
 
 namespace tread {
-
-// The true motion of the body's origin, world axes.
-struct BodyMotion {
-  double time_s = 0.0;
-  Isometry3d T_world_body = Isometry3d::Identity();
-  Eigen::Vector3d velocity_m_per_s = Eigen::Vector3d::Zero();
-  Eigen::Vector3d turn_rad_per_s = Eigen::Vector3d::Zero();
-};
 
 class Body {
  public:
@@ -27,10 +19,10 @@ class Body {
   // Time goes on by step_s(). An error if the motion has no finite answer: the robot is lost then.
   [[nodiscard]] Status step();
   [[nodiscard]] double step_s() const { return physics_.step_s(); }
+  [[nodiscard]] double time_s() const { return physics_.time_s(); }
+  // Pose and velocities now; accelerations are the means of the step behind, so that they sum up to
+  // how the velocities have changed.
   [[nodiscard]] const BodyMotion& motion() const { return now_; }
-  // What an ideal unit fixed to the body feels: its turn now, and the mean specific force of the
-  // step behind, so that what it says sums up to how its velocity has changed.
-  [[nodiscard]] ImuSample imu_at(const Isometry3d& T_body_imu) const;
   [[nodiscard]] std::vector<Touch> touches() const { return physics_.touches(); }
   [[nodiscard]] const PhysicsModel& physics() const { return physics_; }
 
@@ -53,10 +45,10 @@ class Body {
 
  private:
   [[nodiscard]] Status lift_out(Isometry3d T_world_body, const std::string& where);
-  void look();
+  void look(double passed_s);
 
   PhysicsModel physics_;
-  BodyMotion now_, before_;
+  BodyMotion now_;
   Eigen::Vector3d push_n_ = Eigen::Vector3d::Zero();
   double push_left_s_ = 0.0;
 };

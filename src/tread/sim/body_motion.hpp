@@ -17,4 +17,9 @@ struct BodyMotion {
   Eigen::Vector3d rate_change_rad_per_s2 = Eigen::Vector3d::Zero();
 };
 
+// The motion of other axes fixed to the body.
+[[nodiscard]] BodyMotion at_mount(const BodyMotion& motion, const Isometry3d& T_body_mount);
+// Where it was or will be a little earlier or later, going on as it does.
+[[nodiscard]] Isometry3d pose_after(const BodyMotion& motion, double time_s);
+
 }  // namespace tread

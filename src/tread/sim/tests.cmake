@@ -2,20 +2,19 @@
 set(here ${CMAKE_CURRENT_LIST_DIR})
 target_sources(tread_tests PRIVATE
   ${here}/body_sensors_test.cpp
+  ${here}/camera_view_test.cpp
   ${here}/carried_body_test.cpp
   ${here}/course_test.cpp
   ${here}/fault_test.cpp
   ${here}/gnss_sensor_test.cpp
+  ${here}/image_sensor_test.cpp
   ${here}/imu_sensor_test.cpp
   ${here}/pan_tilt_test.cpp
+  ${here}/physics_model_test.cpp
   ${here}/random_test.cpp
   ${here}/relief_test.cpp
+  ${here}/scene_test.cpp
   ${here}/sensor_channel_test.cpp
-  ${here}/world_test.cpp
-)
-  ${here}/camera_view_test.cpp
-  ${here}/image_sensor_test.cpp
-  ${here}/scene_test.cpp)
-  ${here}/physics_model_test.cpp
   ${here}/walker_body_test.cpp
+  ${here}/world_test.cpp
 )

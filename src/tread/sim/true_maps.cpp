@@ -62,6 +62,16 @@ double slope_of_disc(const Grid<float>& height, Cell c, const std::vector<Cell>&
 
 }  // namespace
 
+OptionSet describe(TraverseOptions& options) {
+  OptionSet set;
+  set.add("radius_m", options.radius_m, "of the circle around the robot", 0.0, 10.0);
+  set.add("largest_step_m", options.largest_step_m, "that it takes, up or down", 0.0, 10.0);
+  set.add("step_length_m", options.step_length_m, "way within which a step counts as one", 0.001,
+          10.0);
+  set.add("largest_slope_rad", options.largest_slope_rad, "of the plane under it", 0.0, 1.6);
+  return set;
+}
+
 Grid<float> true_height(const World& world, const GridGeometry& geometry,
                         const TrueMapOptions& options) {
   Grid<float> ground(geometry, kNone);

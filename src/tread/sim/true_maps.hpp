@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tread/core/grid.hpp"
+#include "tread/core/options.hpp"
 #include "tread/sim/world.hpp"
 
 namespace tread {
@@ -17,11 +18,12 @@ struct TrueMapOptions {
 
 // How a robot of one size stands on the ground.
 struct TraverseOptions {
-  double radius_m = 0.58;        // of the circle around it
-  double largest_step_m = 0.12;  // up or down within a wheel's length
+  double radius_m = 0.58;           // of the circle around it
+  double largest_step_m = 0.12;     // up or down within step_length_m
   double step_length_m = 0.15;
   double largest_slope_rad = 0.44;  // of the plane under it
 };
+[[nodiscard]] OptionSet describe(TraverseOptions& options);
 
 // 1 where the robot may stand with its middle, 0 where it may not: a step or slope within its
 // circle is too large, or the ground ends; NaN off the ground.

@@ -136,7 +136,7 @@ void WalkerBody::drive() {
 LegSample WalkerBody::legs() const {
   const mjData_& data = physics().data();
   LegSample sample;
-  sample.stamp_ns = std::llround(1e9 * motion().time_s);
+  sample.stamp_ns = std::llround(1e9 * time_s());
   std::copy_n(data.qpos + kFirstPosition, kLegJoints, sample.position_rad.begin());
   std::copy_n(data.qvel + kFirstSpeed, kLegJoints, sample.velocity_rad_per_s.begin());
   sample.torque_nm = torque_nm_;

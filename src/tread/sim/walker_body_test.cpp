@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "physics_worlds.hpp"
+#include "tread/sim/imu_sensor.hpp"
 
 namespace tread {
 namespace {
@@ -90,7 +91,7 @@ TEST(WalkerBody, StandsStillWhereverFeetFindHold) {
     const Standing standing = stand_for_ten_seconds(*walker);
     EXPECT_LT(standing.creep_m, 1e-4) << name;
     EXPECT_LT(standing.force_error, 0.001) << name;
-    EXPECT_NEAR(walker->motion().time_s, 10.0, 1e-6);
+    EXPECT_NEAR(walker->time_s(), 10.0, 1e-6);
   }
 }
 
@@ -138,7 +139,7 @@ TEST(WalkerBody, AtRestAnInertialUnitFeelsWhatHoldsItUp) {
   Isometry3d T_body_imu = Isometry3d::Identity();
   T_body_imu.linear() = rotation_from_yaw_pitch_roll(0.5, 0.4, 0.3);
   T_body_imu.translation() << 0.3, 0.1, 0.05;
-  const ImuSample imu = walker->imu_at(T_body_imu);
+  const ImuSample imu = felt_motion(walker->motion(), T_body_imu);
   const Eigen::Vector3d expected =
       (walker->motion().T_world_body.linear() * T_body_imu.linear()).transpose() *
       Eigen::Vector3d(0.0, 0.0, kGravity);
@@ -159,7 +160,7 @@ TEST(WalkerBody, InertialSamplesSumUpToTheMotion) {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
   Eigen::Vector3d place = at();
   run(*walker, 1.0, [&] {
-    const ImuSample imu = walker->imu_at(T_body_imu);
+    const ImuSample imu = felt_motion(walker->motion(), T_body_imu);
     velocity += walker->step_s() * (walker->motion().T_world_body.linear() * imu.accel_m_per_s2 -
                                     kGravity * Eigen::Vector3d::UnitZ());
     place += walker->step_s() * velocity;
