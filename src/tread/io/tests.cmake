@@ -20,8 +20,8 @@ target_sources(tread_tests PRIVATE
   ${here}/rig_file_test.cpp
   ${here}/rig_format_pairs_test.cpp
   ${here}/rig_formats_test.cpp
-  ${here}/source_size_test.cpp
   ${here}/source_euroc_test.cpp
+  ${here}/source_size_test.cpp
   ${here}/source_test.cpp
   ${here}/stereo_folder_test.cpp
   ${here}/text_test.cpp

@@ -75,7 +75,7 @@ inline constexpr std::uint32_t kHashStepX = 0x9E3779B1U, kHashStepY = 0x85EBCA77
   return t * t * t * (t * (t * 6.0F - 15.0F) + 10.0F);
 }
 
-// From -1 to 1; standard deviation about 0.39 in 2D and 0.32 in 3D.
+// From -1 to 1; standard deviation 0.455 in 2D and 0.40 in 3D.
 [[nodiscard, gnu::always_inline]] constexpr float value_noise(float x, float y,
                                                               std::uint32_t seed) {
   const std::int32_t ix = lattice_floor(x), iy = lattice_floor(y);
@@ -108,8 +108,8 @@ inline constexpr std::uint32_t kHashStepX = 0x9E3779B1U, kHashStepY = 0x85EBCA77
   return (gx * dx + gy * dy + gz * dz) * (1.0F / 512.0F);
 }
 
-// 0 at lattice points, within -1.5 and 1.5 between them; standard deviation about 0.25 in 2D and
-// 3D. Less of it is slower than the lattice than of value noise.
+// 0 at lattice points, within -1.5 and 1.5 between them; standard deviation 0.175 in 2D and 0.19 in
+// 3D. Less of it changes slowly over many squares than of value noise: an octave is an octave.
 [[nodiscard, gnu::always_inline]] constexpr float gradient_noise(float x, float y,
                                                                  std::uint32_t seed) {
   const std::int32_t ix = lattice_floor(x), iy = lattice_floor(y);

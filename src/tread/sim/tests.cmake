@@ -7,6 +7,7 @@ target_sources(tread_tests PRIVATE
   ${here}/course_test.cpp
   ${here}/fault_test.cpp
   ${here}/gnss_sensor_test.cpp
+  ${here}/hash_noise_test.cpp
   ${here}/image_sensor_test.cpp
   ${here}/imu_sensor_test.cpp
   ${here}/pan_tilt_test.cpp
@@ -15,6 +16,7 @@ target_sources(tread_tests PRIVATE
   ${here}/relief_test.cpp
   ${here}/scene_test.cpp
   ${here}/sensor_channel_test.cpp
+  ${here}/texture_test.cpp
   ${here}/walker_body_test.cpp
   ${here}/world_test.cpp
 )

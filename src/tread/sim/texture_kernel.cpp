@@ -194,35 +194,38 @@ void sand(Block& b) {
     b.sum[i] += 0.07F * share * here;
     b.relief[i] += 0.75F * share * (here - there);
   }
-  add_flat(b, {1.4F, 0.012F, 0.13F, 0.95F, 0.9F, 6});
-  add_flat(b, {0.008F, 0.002F, 0.24F, 1.0F, 0.7F, 7});
+  add_flat(b, {1.4F, 0.012F, 0.19F, 0.97F, 0.8F, 6});
+  add_flat(b, {0.008F, 0.002F, 0.26F, 1.0F, 0.7F, 7});
   add_hue(b, 0.5F, 1.5F, 8);
 }
 
 // Blades lie over each other in all directions; between them it is dark.
 void grass(Block& b) {
   constexpr float kTurns[4][2] = {{1.0F, 0.0F}, {0.35F, 0.94F}, {-0.62F, 0.78F}, {0.87F, -0.5F}};
+  constexpr float kThin = 0.007F, kWide = 0.022F;           // m
+  constexpr float kTopOfWide = 0.187F, kTopOfAll = 0.250F;  // mean of the highest
   Lanes top;
-  for (int i = 0; i < kN; ++i) top[i] = -1.0F;
+  for (int i = 0; i < kN; ++i) top[i] = -0.4F;
   std::uint32_t seed = b.seed;
   for (int layer = 0; layer < 8; ++layer) {
     seed += kHashStepZ;
-    const float width = layer < 4 ? 0.007F : 0.022F, length = 6.0F * width;
+    const float width = layer < 4 ? kThin : kWide, length = 6.0F * width;
     if (seen(width, b.finest) <= 0.0F) continue;
     const float c = kTurns[layer % 4][0], s = kTurns[layer % 4][1];
     for (int i = 0; i < kN; ++i) {
       const float along = (c * b.u[i] + s * b.v[i]) / length;
       const float across = (c * b.v[i] - s * b.u[i]) / width;
-      const float share = seen(width, b.pixel[i]);
-      const float blade = gradient_noise(along, across, seed);
-      const float high = share * (1.6F * blade - 0.1F) + (share - 1.0F) * 0.5F;
-      top[i] = larger_of(top[i], high);
+      const float high = gradient_noise(along, across, seed);
+      // Those that are too thin to be seen are not on top.
+      const float share = layer < 4 ? seen(width, b.pixel[i]) : 1.0F;
+      top[i] = larger_of(top[i], share * (high + 0.4F) - 0.4F);
     }
   }
   for (int i = 0; i < kN; ++i) {
-    const float share = seen(0.022F, b.pixel[i]);
-    b.sum[i] += share * 0.85F * (top[i] - 0.33F);
-    b.hue[i] += share * 0.8F * (top[i] - 0.33F);
+    const float mean = kTopOfWide + seen(kThin, b.pixel[i]) * (kTopOfAll - kTopOfWide);
+    const float over = seen(kWide, b.pixel[i]) * (top[i] - mean);
+    b.sum[i] += 1.35F * over;
+    b.hue[i] += 1.3F * over;
   }
   add_flat(b, {2.2F, 0.03F, 0.34F, 0.96F, 0.0F, 9});
   add_flat(b, {0.02F, 0.003F, 0.30F, 0.9F, 0.6F, 10});
@@ -232,8 +235,8 @@ void grass(Block& b) {
 
 // Stains, fine aggregate, and pores of air.
 void concrete(Block& b) {
-  add_solid(b, {1.6F, 0.03F, 0.13F, 0.92F, 0.0F, 13});
-  add_solid(b, {0.02F, 0.002F, 0.16F, 0.9F, 0.5F, 14});
+  add_solid(b, {1.6F, 0.03F, 0.20F, 0.97F, 0.0F, 13});
+  add_solid(b, {0.02F, 0.002F, 0.21F, 0.92F, 0.4F, 14});
   add_hue(b, 0.8F, 2.0F, 15);
   constexpr float kStep = 0.035F;
   if (seen(0.5F * kStep, b.finest) <= 0.0F) return;
@@ -270,7 +273,7 @@ void planks(Block& b) {
   }
   // Grain: streaks along the board.
   add_flat(b, {0.10F, 0.002F, 0.20F, 1.0F, 0.25F, 18, 11.0F});
-  add_flat(b, {0.8F, 0.05F, 0.12F, 0.9F, 0.0F, 19, 2.0F});
+  add_flat(b, {0.8F, 0.006F, 0.19F, 0.95F, 0.0F, 19, 2.5F});
 }
 
 // Layers, cracks and lichen.
@@ -279,13 +282,19 @@ void rock(Block& b) {
   add_solid(b, {0.03F, 0.002F, 0.22F, 0.95F, 1.2F, 21});
   add_hue(b, 0.35F, 2.2F, 22);
   const std::uint32_t seed = b.seed + 23U;
+  constexpr float kWidth = 0.035F;
   for (const float step : {0.4F, 0.11F}) {
     if (seen(0.3F * step, b.finest) <= 0.0F) continue;
     const float f = 1.0F / step;
     for (int i = 0; i < kN; ++i) {
-      const float n = gradient_noise(b.u[i] * f, b.v[i] * f, b.w[i] * f, seed);
-      const float crack = 1.0F - smooth_step(0.0F, 0.03F + b.pixel[i] * f, magnitude(n));
-      b.sum[i] -= 0.40F * seen(0.3F * step, b.pixel[i]) * crack;
+      // Bent by finer noise, which makes it jagged.
+      const float bend = 0.35F * gradient_noise(b.u[i] * 4.3F * f, b.v[i] * 4.3F * f,
+                                                b.w[i] * 4.3F * f, seed + 1U);
+      const float n = gradient_noise(b.u[i] * f + bend, b.v[i] * f - bend, b.w[i] * f, seed);
+      // As wide as a pixel at least, and then as much fainter.
+      const float width = kWidth + b.pixel[i] * f;
+      const float crack = 1.0F - smooth_step(0.0F, width, magnitude(n));
+      b.sum[i] += seen(0.3F * step, b.pixel[i]) * (0.03F - 0.36F * kWidth / width * crack);
     }
   }
 }
@@ -299,7 +308,7 @@ void bark(Block& b) {
     for (int i = 0; i < kN; ++i) {
       const float n = gradient_noise(b.u[i] * f, b.v[i] * f, b.w[i] * fw, seed);
       const float furrow = 1.0F - smooth_step(0.0F, 0.22F, magnitude(n));
-      b.sum[i] += 0.5F * seen(0.5F * step, b.pixel[i]) * (0.35F - furrow);
+      b.sum[i] += 0.5F * seen(0.5F * step, b.pixel[i]) * (0.42F - furrow);
     }
   }
   add_solid(b, {0.09F, 0.002F, 0.30F, 0.95F, 1.0F, 25, 4.0F});
