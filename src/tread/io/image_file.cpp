@@ -183,13 +183,11 @@ tl::unexpected<Error> no_pixels(const std::string& where) {
 }
 
 template <class T>
-Status write_grey_png(const fs::path& path, ImageView<const T> image, int type) {
-  if (image.empty()) return no_pixels(path.string());
+Result<std::string> encode_grey(ImageView<const T> image, int type, const std::string& where) {
+  if (image.empty()) return no_pixels(where);
   const cv::Mat wrapped(image.height, image.width, type, const_cast<T*>(image.data),
                         static_cast<std::size_t>(image.stride) * sizeof(T));
-  const auto bytes = encode(wrapped, path.string());
-  if (!bytes) return forward(bytes);
-  return write_file(path, *bytes);
+  return encode(wrapped, where);
 }
 
 Result<std::string> encode_colour(ImageView<const Rgb> image, const std::string& where) {
@@ -298,11 +296,15 @@ Result<ImageSize> read_image_size(const fs::path& path) {
 }
 
 Status write_png(const fs::path& path, ImageView<const std::uint8_t> image) {
-  return write_grey_png(path, image, CV_8UC1);
+  const auto bytes = encode_grey(image, CV_8UC1, path.string());
+  if (!bytes) return forward(bytes);
+  return write_file(path, *bytes);
 }
 
 Status write_png(const fs::path& path, ImageView<const std::uint16_t> image) {
-  return write_grey_png(path, image, CV_16UC1);
+  const auto bytes = encode_grey(image, CV_16UC1, path.string());
+  if (!bytes) return forward(bytes);
+  return write_file(path, *bytes);
 }
 
 Status write_png(const fs::path& path, ImageView<const Rgb> image) {
@@ -313,6 +315,10 @@ Status write_png(const fs::path& path, ImageView<const Rgb> image) {
 
 Result<std::string> encode_png(ImageView<const Rgb> image) {
   return encode_colour(image, "PNG");
+}
+
+Result<std::string> encode_png(ImageView<const std::uint8_t> image) {
+  return encode_grey(image, CV_8UC1, "PNG");
 }
 
 }  // namespace tread

@@ -54,8 +54,9 @@ struct GreyAndColour {
 [[nodiscard]] Status write_png(const std::filesystem::path& path,
                                ImageView<const std::uint16_t> image);
 [[nodiscard]] Status write_png(const std::filesystem::path& path, ImageView<const Rgb> image);
-// The bytes of a PNG file, for embedding.
+// The bytes of a PNG file.
 [[nodiscard]] Result<std::string> encode_png(ImageView<const Rgb> image);
+[[nodiscard]] Result<std::string> encode_png(ImageView<const std::uint8_t> image);
 
 // Portable float map, one channel, as Middlebury writes disparity: rows bottom up, infinite where
 // unknown. Both byte orders are read, little endian is written. The scale in the header only tells

@@ -33,7 +33,8 @@ Result<std::vector<ImuSample>> read_imu(const std::filesystem::path& path,
   return with_memory_checked(path.string(), "Give a part of the file", [&] {
     std::vector<ImuSample> samples;
     samples.reserve(rows->size());
-    for (const internal::StampedRow& row : *rows) {
+    for (std::size_t i = 0; i < rows->size(); ++i) {
+      const internal::StampedRow row = (*rows)[i];
       const auto& n = row.numbers;
       samples.push_back({row.stamp_ns, {n[0], n[1], n[2]}, {n[3], n[4], n[5]}});
     }

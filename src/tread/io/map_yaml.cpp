@@ -121,23 +121,6 @@ std::string yaml_number(double value) {
   return fmt::format("{}", value);
 }
 
-// In double quotes, where every control byte can be written.
-std::string yaml_text(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\') {
-      quoted += '\\';
-      quoted += c;
-    } else if (byte < 0x20 || byte == 0x7f) {
-      quoted += fmt::format("\\x{:02x}", byte);
-    } else {
-      quoted += c;
-    }
-  }
-  return quoted + "\"";
-}
-
 }  // namespace
 
 bool is_layer_name(const std::string& name) {

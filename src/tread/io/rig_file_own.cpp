@@ -249,19 +249,6 @@ std::string list(const Eigen::VectorXd& values) {
   return fmt::format("[{}]", fmt::join(values.data(), values.data() + values.size(), ", "));
 }
 
-std::string yaml_text(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') result += '\\';
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
-      result += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
-    } else {
-      result += c;
-    }
-  }
-  return result + '"';
-}
-
 std::string print_pinhole(const PinholeCamera& camera) {
   return fmt::format("  fx: {}\n  fy: {}\n  cx: {}\n  cy: {}\n", camera.fx, camera.fy, camera.cx,
                      camera.cy);

@@ -14,6 +14,7 @@
 #include "tread/io/atomic_file.hpp"
 #include "tread/io/image_file.hpp"
 #include "tread/io/imu_file.hpp"
+#include "tread/io/recording_folder.hpp"
 #include "tread/io/rig_file.hpp"
 #include "tread/io/stereo_folder.hpp"
 #include "tread/io/stereo_poses.hpp"
@@ -252,6 +253,9 @@ std::vector<ImuSample> find_imu_samples(const fs::path& path, const StereoFolder
 
 Result<std::unique_ptr<StereoSource>> open_stereo_source(const fs::path& path,
                                                          const SourceOptions& options) {
+  if (const Status whole = internal::RecordingFolder::finish_interrupted(path); !whole) {
+    return forward(whole);
+  }
   auto folder = find_stereo_folder(path);
   if (!folder) return forward(folder);
   const bool kitti = folder->kind == StereoFolder::Kind::kKitti;

@@ -70,33 +70,32 @@ std::vector<std::string_view> comma_fields(std::string_view line, std::size_t mo
   }
 }
 
-// The row of a line, or what is wrong with it.
-tl::expected<StampedRow, std::string> parse_row(const TextLine& line, const CsvLayout& layout) {
+// The stamp of a line, whose numbers go into `numbers`; or what is wrong with it.
+tl::expected<StampedRow, std::string> parse_row(const TextLine& line, const CsvLayout& layout,
+                                                std::vector<double>& numbers) {
   const std::size_t columns = 1 + layout.numbers;
   const auto fields = comma_fields(line.text, columns + 1);
   if (fields.size() < columns || (fields.size() > columns && !layout.more_columns)) {
     return tl::unexpected(
         fmt::format("{} columns than {}", fields.size() < columns ? "fewer" : "more", columns));
   }
-  StampedRow row;
-  row.line = line.number;
   const auto stamp_ns = parse_number<std::int64_t>(fields[0]);
   if (!stamp_ns || *stamp_ns < 0) {
     return tl::unexpected(in_quotes(fields[0]) + " is not a time in whole nanoseconds");
   }
-  row.stamp_ns = *stamp_ns;
   for (std::size_t i = 0; i < layout.numbers; ++i) {
     const auto number = parse_finite(fields[i + 1]);
     if (!number) return tl::unexpected(in_quotes(fields[i + 1]) + " is not a finite number");
-    row.numbers[i] = *number;
+    numbers[i] = *number;
   }
+  const StampedRow row{*stamp_ns, line.number, numbers};
   const char* wrong = layout.wrong == nullptr ? nullptr : layout.wrong(row);
   if (wrong != nullptr) return tl::unexpected(std::string(wrong));
   return row;
 }
 
 // True for the rows that make up the longest series of increasing times.
-std::vector<bool> in_order_of_time(const std::vector<StampedRow>& rows) {
+std::vector<bool> in_order_of_time(const StampedTable& rows) {
   constexpr std::size_t kNone = static_cast<std::size_t>(-1);
   std::vector<std::size_t> last_of_length;  // the row with the earliest time that ends a series
   std::vector<std::size_t> before(rows.size(), kNone);
@@ -119,45 +118,48 @@ std::vector<bool> in_order_of_time(const std::vector<StampedRow>& rows) {
   return kept;
 }
 
-Result<std::vector<StampedRow>> read(const fs::path& path, const CsvLayout& layout,
-                                     std::vector<Error>* problems) {
+Result<StampedTable> read(const fs::path& path, const CsvLayout& layout,
+                          std::vector<Error>* problems) {
   const auto text = read_file(path, kLargestFile);
   if (!text) return forward(text);
   LeftOut damaged({ErrorCode::kBadFormat, "", "",
                    fmt::format("Correct or remove such lines; one is: {}", layout.line)});
   LeftOut disordered({ErrorCode::kBadValue, "", "", "Sort the lines by time and remove doubles"});
-  std::vector<StampedRow> rows;
+  StampedTable rows(layout.numbers);
+  std::vector<double> numbers(layout.numbers);
   for (const TextLine& line : lines_with_content(*text)) {
-    const auto row = parse_row(line, layout);
+    const auto row = parse_row(line, layout, numbers);
     if (row) {
-      rows.push_back(*row);
+      rows.add(*row);
     } else {
       damaged.add(line.number, row.error());
     }
   }
   const std::vector<bool> kept = in_order_of_time(rows);
-  std::vector<StampedRow> ordered;
+  StampedTable ordered(layout.numbers);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (kept[i]) {
-      ordered.push_back(rows[i]);
+      ordered.add(rows[i]);
     } else {
       disordered.add(rows[i].line, "the time does not fit between those around it");
     }
   }
   for (const LeftOut* lines : {&damaged, &disordered}) {
     if (lines->empty()) continue;
-    if (problems == nullptr || ordered.empty()) return tl::unexpected<Error>(lines->first(path));
+    if (problems == nullptr || ordered.size() == 0) {
+      return tl::unexpected<Error>(lines->first(path));
+    }
     problems->push_back(lines->all(path));
   }
-  if (!ordered.empty()) return ordered;
+  if (ordered.size() > 0) return ordered;
   return fail(ErrorCode::kBadFormat, "there is no line with numbers in it", path.string(),
               fmt::format("Write lines of: {}", layout.line));
 }
 
 }  // namespace
 
-Result<std::vector<StampedRow>> read_stamped_csv(const fs::path& path, const CsvLayout& layout,
-                                                 std::vector<Error>* problems) {
+Result<StampedTable> read_stamped_csv(const fs::path& path, const CsvLayout& layout,
+                                      std::vector<Error>* problems) {
   return with_memory_checked(path.string(), "Give a part of the file",
                              [&] { return read(path, layout, problems); });
 }

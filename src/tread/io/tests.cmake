@@ -2,6 +2,7 @@
 set(here ${CMAKE_CURRENT_LIST_DIR})
 target_sources(tread_tests PRIVATE
   ${here}/atomic_file_test.cpp
+  ${here}/data_set_writer_test.cpp
   ${here}/image_file_test.cpp
   ${here}/image_header_test.cpp
   ${here}/imu_file_test.cpp
@@ -13,6 +14,8 @@ target_sources(tread_tests PRIVATE
   ${here}/pfm_file_test.cpp
   ${here}/raster_file_errors_test.cpp
   ${here}/raster_file_test.cpp
+  ${here}/recording_files_test.cpp
+  ${here}/recording_folder_test.cpp
   ${here}/rgbd_camera_test.cpp
   ${here}/rgbd_lists_test.cpp
   ${here}/rgbd_source_test.cpp

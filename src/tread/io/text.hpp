@@ -48,6 +48,9 @@ template <class T>
 // "poses.txt:12", how messages name a line.
 [[nodiscard]] std::string line_place(const std::string& file, int line);
 
+// As text of YAML in double quotes, where every control byte can be written.
+[[nodiscard]] std::string yaml_text(std::string_view text);
+
 // Text from a file as it may stand in a message: at most 40 bytes, control bytes as '?'.
 [[nodiscard]] std::string in_quotes(std::string_view text);
 

@@ -188,7 +188,8 @@ Result<Trajectory> read_euroc_poses(const fs::path& path, std::vector<Error>* pr
   const auto rows = internal::read_stamped_csv(path, layout, problems);
   if (!rows) return forward(rows);
   Trajectory trajectory;
-  for (const internal::StampedRow& row : *rows) {
+  for (std::size_t i = 0; i < rows->size(); ++i) {
+    const internal::StampedRow row = (*rows)[i];
     const auto& n = row.numbers;
     trajectory.push_back({row.stamp_ns, pose_of({n[0], n[1], n[2]}, quaternion_of(row))});
   }
