@@ -24,6 +24,7 @@ Result<Image<Rgb>> photograph(const Scene& scene, const CameraModel& camera, con
   options.full_well_e = 1e7;
   options.read_noise_e = 0.0;
   options.vignetting = 0.0;
+  options.target_mean = 125.0;
   const auto sensor = ImageSensor::make(options, *rays);
   if (!sensor) return forward(sensor);
   Image<Rgb> image;
@@ -37,7 +38,7 @@ Result<Image<Rgb>> photograph(const Scene& scene, const CameraModel& camera, con
 
 Result<PictureFromAbove> draw_from_above(const Scene& scene, int wanted_px,
                                          const Context& context) {
-  constexpr double kAway = 12.0;  // times the size of the course: nearly parallel rays
+  constexpr double kAway = 2.0;  // times the size of the course: rays are not far from parallel
   const World& world = scene.world();
   const GridGeometry& ground = world.ground.geometry;
   const Eigen::Vector2d low = ground.centre({0, 0}),

@@ -125,6 +125,9 @@ class Channel {
     horizon_ = of(sky.horizon);
     zenith_ = of(sky.zenith);
     cloud_ = of(sky.cloud);
+    const Answer ground = answer_of(scene.world().ground_materials.front(), lights_, index_);
+    plain_ = std::max(0.0F, static_cast<float>(scene.sun_direction().z())) * ground.mean[0] +
+             ground.mean[1];
   }
   void run(const RayBatch& rays, const SurfaceBatch& points, const Textures& textures,
            const Row& sunlit, const Row& clouds, Row& out) const {
@@ -134,9 +137,7 @@ class Channel {
       const std::int32_t material = points.material[i];
       if (material < 0) {
         const auto up = static_cast<float>(rays.direction[2][i]);
-        const float share = up > 0.0F ? up / (up + 0.35F) : 0.0F;
-        const float clear = horizon_ + share * 1.35F * (zenith_ - horizon_);
-        out[i] = rays.spread_rad[i] >= 0.0F ? clear + clouds[i] * (cloud_ - clear) : 0.0F;
+        out[i] = rays.spread_rad[i] >= 0.0F ? far_away(up, clouds[i]) : 0.0F;
         continue;
       }
       if (material != last) {
@@ -156,12 +157,22 @@ class Channel {
   }
 
  private:
+  // The sky; and below the horizon, where the world has ended, a plain as far as the haze lets see,
+  // some 1.5 m below the camera. Nothing on it: it has no depth.
+  [[nodiscard]] float far_away(float up, float cloud) const {
+    if (up < 0.0F) {
+      const float way = -1.5F / up;
+      return plain_ + (horizon_ - plain_) * way / (way + 0.1F * kHazeM);
+    }
+    const float clear = horizon_ + up / (up + 0.35F) * 1.35F * (zenith_ - horizon_);
+    return clear + cloud * (cloud_ - clear);
+  }
   [[nodiscard]] float of(const Colour& c) const { return index_ < 0 ? grey_of(c) : c(index_); }
 
   const Scene& scene_;
   int index_;
   Lights lights_;
-  float horizon_ = 0.0F, zenith_ = 0.0F, cloud_ = 0.0F;
+  float horizon_ = 0.0F, zenith_ = 0.0F, cloud_ = 0.0F, plain_ = 0.0F;
 };
 
 // How much of the sun each point gets: shadow, slant, relief of the texture.
