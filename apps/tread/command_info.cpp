@@ -13,6 +13,7 @@
 #include "tread/io/map_files.hpp"
 #include "tread/io/mesh_file.hpp"
 #include "tread/io/raster_file.hpp"
+#include "tread/io/recording_files.hpp"
 #include "tread/io/rgbd_source.hpp"
 #include "tread/io/rig_file.hpp"
 #include "tread/io/source.hpp"
@@ -84,6 +85,22 @@ Status info_rgbd(const fs::path& path, Output& output) {
   return {};
 }
 
+// What a recording of this program says of itself.
+Status describe_recording(const fs::path& folder, Output& output) {
+  if (!is_recording(folder)) return {};
+  const auto info = read_recording_info(folder);
+  if (!info) return forward(info);
+  output.values["recording"] = {{"description", info->description}, {"heads", info->heads}};
+  std::string list;
+  for (const auto& [name, count] : info->samples) {
+    output.values["recording"]["samples"][name] = count;
+    list += fmt::format("{}{} {}", list.empty() ? "" : ", ", name, count);
+  }
+  output.line(fmt::format("recording: {}", info->description));
+  output.line(fmt::format("  samples: {}", list));
+  return {};
+}
+
 Status info_source(const fs::path& path, const std::string& rig, Output& output) {
   if (looks_like_rgbd(path)) return info_rgbd(path, output);
   const auto source = open_stereo_source(path, {rig, ""});
@@ -96,6 +113,7 @@ Status info_source(const fs::path& path, const std::string& rig, Output& output)
                           frames_text(static_cast<std::size_t>((*source)->frame_count())),
                           (*source)->has_poses() ? "with poses" : "without poses",
                           (*source)->has_imu() ? ", with samples of an IMU" : ""));
+  if (Status done = describe_recording(path, output); !done) return done;
   describe_rig((*source)->rig(), output);
   for (const Error& problem : distinct_problems((*source)->problems())) {
     output.values["problems"].push_back(problem.message());

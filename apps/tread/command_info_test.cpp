@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "command_test.hpp"
+#include "tread/io/data_set_writer.hpp"
 #include "tread/io/map_files.hpp"
 
 namespace tread {
@@ -79,6 +80,36 @@ TEST(TreadInfo, TellsOfTheImuOfADrive) {
   EXPECT_EQ(json["rig"]["imu"]["gyro_noise"], 1.7e-4);
   EXPECT_EQ(tread("info --json " + (folder / "rig.yaml").string()).json()["rig"]["imu"]["rate_hz"],
             250.0);
+}
+
+TEST(TreadInfo, TellsOfAllSensorsOfARecording) {
+  const ScratchFolder scratch;
+  RecordingSetup setup;
+  setup.description = "a kerb, seed 4";
+  setup.heads = {small_rig()};
+  const StereoRig& rig = setup.heads.front();
+  auto writer = DataSetWriter::create(scratch / "run", setup);
+  ASSERT_TRUE(writer) << writer.error().message();
+  for (int i = 0; i < 2; ++i) {
+    StereoFrame frame = render_frame(rig, rig.mount->T_body_left, block_and_kerb, 8.0);
+    frame.stamp_ns = 100'000'000LL * i;
+    ASSERT_TRUE(writer->add(0, frame));
+    ASSERT_TRUE(writer->add(WheelSample{frame.stamp_ns, 0.5, 0.5, 1.0, 1.0}));
+  }
+  ASSERT_TRUE(writer->add(BumpEvent{7, true}));
+  ASSERT_TRUE(writer->finish());
+  const Ran ran = tread("info " + (scratch / "run").string());
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_NE(
+      ran.out.find("recording: a kerb, seed 4\n  samples: bump0 1, cam0 2, cam1 2, wheels0 2"),
+      std::string::npos)
+      << ran.out;
+  EXPECT_NE(ran.out.find("mounted"), std::string::npos) << ran.out;
+  const auto json = tread("info --json " + (scratch / "run").string()).json();
+  EXPECT_EQ(json["frames"], 2);
+  EXPECT_EQ(json["recording"]["samples"]["wheels0"], 2);
+  ASSERT_TRUE(write_file(scratch / "run/recording.yaml", "tread_recording: 9\n"));
+  expect_refused("info " + (scratch / "run").string(), {"recording.yaml:1", "version 9"});
 }
 
 TEST(TreadInfo, TellsUnitsWhereThereAreAnyAndNoRangeWhereNothingIsKnown) {

@@ -3,7 +3,7 @@
 // with a scale error s that stays, white noise n, and a bias b that starts somewhere and walks;
 // then clipped to the range and rounded to a step. In discrete time the noise of a sample has the
 // standard deviation density * sqrt(rate), a step of the bias walk * sqrt(period), so that the
-// Allan deviation is sqrt(density^2 / tau + walk^2 tau / 3) (IEEE 952). 0.2 us a sample.
+// Allan deviation is sqrt(density^2 / tau + walk^2 tau / 3) (IEEE 952). 0.3 us a sample.
 #pragma once
 
 #include <cstdint>
