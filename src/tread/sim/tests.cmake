@@ -2,5 +2,7 @@
 set(here ${CMAKE_CURRENT_LIST_DIR})
 target_sources(tread_tests PRIVATE
   ${here}/physics_model_test.cpp
+  ${here}/rover_body_test.cpp
+  ${here}/tyre_test.cpp
   ${here}/walker_body_test.cpp
 )
