@@ -55,6 +55,8 @@ OptionSet describe(RoverModelOptions& options) {
   set.add("top_speed_m_per_s", options.top_speed_m_per_s, "that it can be told", 0.01, 20.0);
   set.add("top_yaw_rate_rad_per_s", options.top_yaw_rate_rad_per_s, "that it can be told", 0.01,
           20.0);
+  set.add("acceleration_m_per_s2", options.acceleration_m_per_s2,
+          "with which wheels follow what they are told", 0.01, 100.0);
   set.add("torque_nm_per_a", options.torque_nm_per_a, "of a motor, on its wheel", 1e-3, 1e3);
   set.add("current_limit_a", options.current_limit_a, "of a motor's amplifier", 0.1, 1e4);
   set.add("stall_current_a", options.stall_current_a, "of a motor at full voltage", 0.1, 1e4);

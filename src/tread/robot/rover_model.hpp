@@ -38,6 +38,7 @@ struct RoverModelOptions {
   double centre_height_m = 0.30;   // of that mass above the ground
   double top_speed_m_per_s = 1.2;  // that it can be told
   double top_yaw_rate_rad_per_s = 1.0;
+  double acceleration_m_per_s2 = 2.0;  // with which wheels follow what they are told
   // Motor and gear, on the wheel.
   double torque_nm_per_a = 1.5;
   double current_limit_a = 30.0;    // of the amplifier

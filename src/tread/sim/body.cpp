@@ -15,10 +15,13 @@ namespace {
 constexpr double kMostDepthM = 0.003;  // that a robot may be inside something where it is put
 constexpr double kMostMovedM = 0.25;   // while it settles
 constexpr double kMostTiltedRad = 0.7;
+constexpr double kFallM = 2.0;  // below the lowest ground
 
 }  // namespace
 
 Body::Body(PhysicsModel physics) : physics_(std::move(physics)) {
+  const std::vector<float>& heights = physics_.world().ground.values;
+  floor_m_ = static_cast<double>(*std::min_element(heights.begin(), heights.end())) - kFallM;
   look(0.0);
 }
 
@@ -40,14 +43,17 @@ void Body::look(double passed_s) {
 }
 
 Status Body::step() {
+  if (Status done = physics_.begin_step(); !done) return done;
   drive();
   mjtNum* const pushed = physics_.data().xfrc_applied + 6;  // of body 1, the robot's
   for (int i = 0; i < 3; ++i) pushed[i] = push_left_s_ > 0.0 ? push_n_(i) : 0.0;
   push_left_s_ -= step_s();
-  if (Status done = physics_.step(); !done) return done;
+  if (Status done = physics_.end_step(); !done) return done;
   look(step_s());
-  follow();
-  return {};
+  if (now_.T_world_body.translation().z() >= floor_m_) return {};
+  return fail(ErrorCode::kBadValue,
+              fmt::format("it has fallen off the edge of the ground at {:.1f} s", time_s()),
+              "robot", "Keep it within the world");
 }
 
 void Body::push(const Eigen::Vector3d& force_n, double duration_s) {

@@ -16,7 +16,8 @@ class Body {
   Body(const Body&) = delete;
   Body& operator=(const Body&) = delete;
 
-  // Time goes on by step_s(). An error if the motion has no finite answer: the robot is lost then.
+  // Time goes on by step_s(). An error if the motion has no finite answer or the robot has fallen
+  // off the edge of the ground: it is lost then.
   [[nodiscard]] Status step();
   [[nodiscard]] double step_s() const { return physics_.step_s(); }
   [[nodiscard]] double time_s() const { return physics_.time_s(); }
@@ -32,10 +33,8 @@ class Body {
  protected:
   explicit Body(PhysicsModel physics);
   [[nodiscard]] PhysicsModel& engine() { return physics_; }
-  // Puts forces on the joints for the step to come.
+  // Puts forces on the joints for the step that has begun.
   virtual void drive() = 0;
-  // What follows from the step behind.
-  virtual void follow() {}
 
   // Puts the body at rest to a pose, lifts it out of the ground if need be, and lets it settle,
   // which ends at time 0. An error names what of the robot is inside what by more than a few
@@ -51,6 +50,7 @@ class Body {
   BodyMotion now_;
   Eigen::Vector3d push_n_ = Eigen::Vector3d::Zero();
   double push_left_s_ = 0.0;
+  double floor_m_ = 0.0;
 };
 
 // How high the middle of a ball is that lies on the world above a place; NaN outside.

@@ -214,6 +214,10 @@ const Material& PhysicsModel::material_of(int part, const Eigen::Vector3d& place
   return thing.kind == Kind::kGround ? ground_material(*world_, place.head<2>()) : thing.material;
 }
 
+Footing PhysicsModel::footing(const Touch& touch) const {
+  return footing_of(material_of(touch.other, touch.place_m).surface);
+}
+
 void PhysicsModel::move_people() {
   int body = 0;
   for (const Person& person : world_->people) {
@@ -305,10 +309,14 @@ Status PhysicsModel::check_numbers() const {
   return {};
 }
 
-Status PhysicsModel::step() {
+Status PhysicsModel::begin_step() {
   move_people();
   choose_near_solids();
-  if (Status done = guarded([&] { mj_step(model_.get(), data_.get()); }); !done) return done;
+  return guarded([&] { mj_step1(model_.get(), data_.get()); });
+}
+
+Status PhysicsModel::end_step() {
+  if (Status done = guarded([&] { mj_step2(model_.get(), data_.get()); }); !done) return done;
   update_treads();
   return check_numbers();
 }

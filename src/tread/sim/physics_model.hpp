@@ -60,8 +60,11 @@ class PhysicsModel {
   PhysicsModel& operator=(PhysicsModel&&) noexcept;
   ~PhysicsModel();
 
-  // One step of time. An error if the motion has no finite answer; the model is of no use then.
-  [[nodiscard]] Status step();
+  // One step of time in two halves, between which forces may be put on what is known by then: where
+  // everything is and how fast it moves. An error if the motion has no finite answer; the model is
+  // of no use then.
+  [[nodiscard]] Status begin_step();
+  [[nodiscard]] Status end_step();
   // Finds what touches what after the state was set from outside; no time goes by.
   [[nodiscard]] Status refresh();
   [[nodiscard]] double step_s() const { return options_.step_s; }
@@ -74,6 +77,8 @@ class PhysicsModel {
 
   [[nodiscard]] std::vector<Touch> touches() const;
   [[nodiscard]] const std::vector<Tread>& treads() const { return treads_; }
+  // Of what is touched.
+  [[nodiscard]] Footing footing(const Touch& touch) const;
   // "the ground", "pallets[1]", "the rover's bumper"
   // "the ground", "pallets[1]", "bumper"
   [[nodiscard]] const std::string& name_of(int part) const { return things_[index(part)].name; }

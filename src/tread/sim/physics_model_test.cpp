@@ -124,7 +124,7 @@ TEST(PhysicsModel, ABallFallsAndLiesWithItsWeight) {
   T.translation() << 0.1, 0.2, 1.0;
   ASSERT_TRUE(physics.set_robot_pose(T));
   ASSERT_TRUE(physics.set_time(0.0));
-  for (int i = 0; i < 1000; ++i) ASSERT_TRUE(physics.step());
+  for (int i = 0; i < 1000; ++i) ASSERT_TRUE(physics.begin_step() && physics.end_step());
   EXPECT_NEAR(physics.time_s(), 2.0, 1e-9);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Touch& touch : physics.touches()) {
@@ -253,7 +253,7 @@ TEST(PhysicsModel, WhatMuJoCoCannotDoIsAnError) {
   PhysicsModel physics = physics_of(world);
   Isometry3d T = Isometry3d::Identity();
   T.translation() << 0.0, 0.0, std::nan("");
-  EXPECT_FALSE(physics.set_robot_pose(T) && physics.step());
+  EXPECT_FALSE(physics.set_robot_pose(T) && physics.begin_step() && physics.end_step());
 }
 
 }  // namespace

@@ -14,9 +14,11 @@ target_sources(tread_tests PRIVATE
   ${here}/physics_model_test.cpp
   ${here}/random_test.cpp
   ${here}/relief_test.cpp
+  ${here}/rover_body_test.cpp
   ${here}/scene_test.cpp
   ${here}/sensor_channel_test.cpp
   ${here}/texture_test.cpp
+  ${here}/tyre_test.cpp
   ${here}/walker_body_test.cpp
   ${here}/world_test.cpp
 )
