@@ -141,10 +141,20 @@ Result<DataSetWriter> open_writer(const SimulateArguments& arguments, const Simu
                                       arguments.course, arguments.robot, robot.world().seed);
   recording.heads = robot.heads();
   recording.camera_rate_hz = setup.camera.channel.rate_hz;
-  recording.head_turns = setup.head_turns;
+  // Nobody turns it here: the IMU stays fixed to the cameras.
+  recording.head_turns = false;
   recording.gnss_rate_hz = setup.gnss.channel.rate_hz;
   recording.p_body_antenna_m = pose_of(setup.antenna_mount).translation();
   return DataSetWriter::create(*arguments.common.output, recording);
+}
+
+// The report shows the pair whose true depth was kept.
+void keep_pair(const SensorBatch& batch, SimulateRun& run) {
+  for (const HeadFrame& frame : batch.frames) {
+    if (frame.head != 0 || frame.frame.stamp_ns != run.depth_stamp_ns) continue;
+    run.left = frame.frame.left;
+    run.right = frame.frame.right;
+  }
 }
 
 // Lets the robot go its way until it is there, or time is up.
@@ -159,6 +169,7 @@ Status go(const SimulateArguments& arguments, const SimulateSettings& settings,
   Progress progress("simulating", static_cast<int>(end_s), arguments.common.json);
   const Interrupt interrupt;
   const auto now_s = [&] { return 1e-9 * static_cast<double>(robot.time_ns()); };
+  recording.add(SensorBatch{});  // the truth of the start
   bool was_done = false;
   while (now_s() < end_s) {
     if (Interrupt::requested()) {
@@ -175,6 +186,7 @@ Status go(const SimulateArguments& arguments, const SimulateSettings& settings,
     if (!batch) return forward(batch);
     recording.add(*batch);
     if (!recording.status()) return recording.status();
+    keep_pair(*batch, run);
     const Eigen::Vector3d p = robot.motion().T_world_body.translation();
     if (run.path.empty() || (p - run.path.back().pose.translation()).norm() > 0.05) {
       if (!run.path.empty()) run.way_m += (p - run.path.back().pose.translation()).norm();
@@ -285,6 +297,7 @@ Status simulate(const SimulateArguments& arguments, const SimulateSettings& sett
     if (settings.depth) recording.add_depth(truth);
     if (truth.head == 0 && 1e-9 * static_cast<double>((*robot)->time_ns()) < middle_s) {
       run.depth = std::move(truth.depth);
+      run.depth_stamp_ns = truth.stamp_ns;
     }
   });
   if (Status s = go(arguments, settings, **robot, recording, run); !s) return s;

@@ -25,6 +25,7 @@ struct SimulateRun {
   Image<Rgb> eye;
   Image<std::uint8_t> left, right;  // a pair from the middle of the run
   Image<float> depth;               // of its left camera
+  std::int64_t depth_stamp_ns = 0;
   Grid<float> height, traversable;
   std::vector<Error> problems;
   Timings timings;

@@ -174,9 +174,9 @@ struct SimulatedRobot::Parts {
     return all;
   }
 
-  // The motion at the IMU. Physics has jolts that are shorter than a sample: accelerations and rates
-  // are then the means since the last one, as a unit with a filter has them, so that they sum up to
-  // the motion.
+  // The motion at the IMU. Physics has jolts that are shorter than a sample: accelerations and
+  // rates are then the means since the last one, as a unit with a filter has them, so that they sum
+  // up to the motion.
   [[nodiscard]] BodyMotion felt(std::int64_t t) {
     BodyMotion motion = at_mount(body.motion_at(t), pose_of(setup.imu_mount));
     if (body.carried() != nullptr) return motion;

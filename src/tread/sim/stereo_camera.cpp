@@ -24,7 +24,6 @@ Result<StereoCamera> StereoCamera::make(const StereoRig& rig, const CameraSetup&
 
 Status StereoCamera::look(const Scene& scene, const PoseAt& T_world_left,
                           const Isometry3d& T_left_eye, const Eye& eye) {
-  ScopedTimer timer(context_, "sim/render");
   // The stamp is the middle of the exposure.
   const double half_s = 0.5 * (exposure_.exposure_s + setup_.readout_s);
   CameraShot shot;
@@ -43,7 +42,6 @@ Result<StereoFrame> StereoCamera::take(const Scene& scene, const PoseAt& T_world
   // Blur is that of the exposure of the frame before: it changes slowly.
   exposure_ = left_.sensor->meter(view_);
   const auto expose = [&](const Eye& eye, int number, auto& image) {
-    ScopedTimer timer(context_, "sim/sensor");
     return eye.sensor->expose(view_, exposure_, {seed_, frames_, number}, image, context_);
   };
   if (Status s = expose(left_, 0, frame.left); !s) return forward(s);

@@ -17,6 +17,7 @@ target_sources(tread_tests PRIVATE
   ${here}/rover_body_test.cpp
   ${here}/scene_test.cpp
   ${here}/sensor_channel_test.cpp
+  ${here}/simulated_robot_test.cpp
   ${here}/texture_test.cpp
   ${here}/tyre_test.cpp
   ${here}/walker_body_test.cpp
