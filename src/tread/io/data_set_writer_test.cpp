@@ -122,7 +122,7 @@ BodyTruth truth(int number) {
 
 ImuSample imu(int number) {
   return {
-      kFirst_ns + number * 5'000'000, {0.1 / (1 + number), -2e-17, 1.0 / 3.0}, {9.81, 0.0, -1e5}};
+      kFirst_ns + number * 5'000'000LL, {0.1 / (1 + number), -2e-17, 1.0 / 3.0}, {9.81, 0.0, -1e5}};
 }
 
 void expect_equal(const Isometry3d& a, const Isometry3d& b, double tolerance) {
