@@ -2,132 +2,27 @@
 #include "tread/io/data_set_writer.hpp"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
-#include <csignal>
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "file_mutations.hpp"
+#include "recording_samples.hpp"
 #include "test_data.hpp"
 #include "tread/io/imu_file.hpp"
 #include "tread/io/raster_file.hpp"
 #include "tread/io/recording_files.hpp"
-#include "tread/io/rig_file.hpp"
-#include "tread/io/source.hpp"
 #include "tread/io/trajectory_file.hpp"
 
 namespace tread {
 namespace {
 
 namespace fs = std::filesystem;
+using namespace testing::recording;
 using Eigen::Vector3d;
 using testing::get_file;
-using testing::put_file;
 using testing::ScratchFolder;
-
-constexpr std::int64_t kFirst_ns = 1'700'000'000'123'456'789;
-constexpr std::int64_t kFrame_ns = 100'000'000;
-constexpr ImageSize kSize{6, 4};
-
-Isometry3d pose(double x, double yaw) {
-  Isometry3d T = Isometry3d::Identity();
-  T.linear() = rotation_from_yaw_pitch_roll(yaw, 0.1, -0.2);
-  T.translation() = Vector3d(x, 1.0 / 3.0, 0.7);
-  return T;
-}
-
-BrownCamera brown() {
-  BrownCamera camera;
-  camera.pinhole = {10.1, 10.2, 2.9, 1.8, 0.0};
-  camera.K = {-0.28, 0.07, 1e-3, 0.0, 0.0};
-  camera.P = {1.8e-5, 1.9e-4, 0.0, 0.0, 0.0};
-  return camera;
-}
-
-StereoRig rig(double y) {
-  StereoRig made;
-  made.name = "front";
-  made.size = kSize;
-  made.left = brown();
-  made.right = KannalaBrandtCamera{9.5, 9.6, 3.0, 2.0, {0.003, -0.001, 0.002, 1e-4}};
-  made.T_left_right = pose(0.12, 0.001);
-  CameraMount mount = level_mount(0.9, 0.3, false);
-  mount.T_body_left.translation().y() = y;
-  made.mount = mount;
-  return made;
-}
-
-RecordingSetup setup() {
-  RecordingSetup made;
-  made.description = "a \"garden\", seed 7";
-  made.heads = {rig(0.2), rig(-0.2)};
-  made.heads[0].imu.emplace().T_imu_left = pose(-0.3, 1.2);
-  made.heads[0].imu->gyro_walk = 1.0 / 3e4;
-  made.camera_rate_hz = 10.0;
-  made.p_body_antenna_m = Vector3d(0.1, 0.0, 1.1);
-  return made;
-}
-
-StereoFrame frame(int number, bool colour = false) {
-  StereoFrame made;
-  made.stamp_ns = kFirst_ns + number * kFrame_ns;
-  made.name = std::to_string(number);
-  made.left = Image<std::uint8_t>(kSize.width, kSize.height);
-  made.right = Image<std::uint8_t>(kSize.width, kSize.height);
-  if (colour) made.left_colour = Image<Rgb>(kSize.width, kSize.height);
-  for (int y = 0; y < kSize.height; ++y) {
-    for (int x = 0; x < kSize.width; ++x) {
-      made.left(x, y) = static_cast<std::uint8_t>(40 * x + 7 * y + number);
-      made.right(x, y) = static_cast<std::uint8_t>(255 - 13 * x - y * number);
-      if (colour) made.left_colour(x, y) = {made.left(x, y), made.right(x, y), 77};
-    }
-  }
-  return made;
-}
-
-DataSetWriter open(const fs::path& folder, const RecordingSetup& recording = setup()) {
-  auto writer = DataSetWriter::create(folder, recording);
-  EXPECT_TRUE(writer) << writer.error().message();
-  return std::move(*writer);
-}
-
-#define EXPECT_DONE(call)                          \
-  do {                                             \
-    const Status done_ = call;                     \
-    EXPECT_TRUE(done_) << done_.error().message(); \
-  } while (false)
-
-std::vector<StereoFrame> frames_of(const fs::path& folder) {
-  auto source = open_stereo_source(folder);
-  EXPECT_TRUE(source) << source.error().message();
-  std::vector<StereoFrame> frames;
-  while (source) {
-    auto next = (*source)->next();
-    EXPECT_TRUE(next) << next.error().message();
-    if (!next || !*next) break;
-    frames.push_back(std::move(**next));
-  }
-  return frames;
-}
-
-BodyTruth truth(int number) {
-  BodyTruth made;
-  made.stamp_ns = kFirst_ns + number * kFrame_ns / 2;
-  made.T_world_body = pose(0.05 * number, 2.9 + 0.05 * number);
-  made.velocity_m_per_s = Vector3d(0.5, 1.0 / 7.0, -0.01 * number);
-  made.gyro_bias_rad_per_s = Vector3d(1e-3, 2e-3, 3e-3);
-  made.accel_bias_m_per_s2 = Vector3d(0.1, 0.2, 0.3);
-  return made;
-}
-
-ImuSample imu(int number) {
-  return {
-      kFirst_ns + number * 5'000'000, {0.1 / (1 + number), -2e-17, 1.0 / 3.0}, {9.81, 0.0, -1e5}};
-}
-
-void expect_equal(const Isometry3d& a, const Isometry3d& b, double tolerance) {
-  EXPECT_LT((a.matrix() - b.matrix()).cwiseAbs().maxCoeff(), tolerance);
-}
 
 TEST(DataSetWriter, ImagesRigAndImuComeBackBitByBit) {
   const ScratchFolder scratch;
@@ -339,114 +234,6 @@ TEST(DataSetWriter, TheOtherSensorsComeBack) {
   ASSERT_TRUE(info) << info.error().message();
   EXPECT_EQ(info->description, setup().description);
   EXPECT_EQ(info->heads, 2);
-}
-
-TEST(DataSetWriter, ASetupThatCannotBeIsRefused) {
-  const ScratchFolder scratch;
-  const auto error_of = [&](const std::function<void(RecordingSetup&)>& change) {
-    RecordingSetup recording = setup();
-    change(recording);
-    const auto writer = DataSetWriter::create(scratch / "run", recording);
-    EXPECT_FALSE(writer);
-    return writer ? std::string() : writer.error().message();
-  };
-  const auto expect = [&](const std::string& says, const std::function<void(RecordingSetup&)>& f) {
-    const std::string message = error_of(f);
-    EXPECT_NE(message.find(says), std::string::npos) << message;
-  };
-  expect("no head", [](RecordingSetup& r) { r.heads.clear(); });
-  expect("heads[1].mount", [](RecordingSetup& r) { r.heads[1].mount.reset(); });
-  expect("heads[0].imu.gyro_noise", [](RecordingSetup& r) { r.heads[0].imu->gyro_noise = 0.0; });
-  expect("rate", [](RecordingSetup& r) { r.camera_rate_hz = 0.0; });
-  expect("rate", [](RecordingSetup& r) { r.gnss_rate_hz = std::nan(""); });
-  expect("antenna", [](RecordingSetup& r) { r.p_body_antenna_m.x() = std::nan(""); });
-  const auto with_left = [](const CameraModel& camera) {
-    return [camera](RecordingSetup& r) { r.heads[1].left = camera; };
-  };
-  BrownCamera camera = brown();
-  camera.lx = 0.01;
-  expect("heads[1].left: EuRoC's sensor.yaml has no form for a camera with a lens centre",
-         with_left(camera));
-  camera = brown();
-  camera.K[3] = 1e-3;
-  expect("K3", with_left(camera));
-  camera = brown();
-  camera.P[2] = 1e-3;
-  expect("P2", with_left(camera));
-  camera = brown();
-  camera.D[0] = 1e-3;
-  expect("denominator", with_left(camera));
-  camera = brown();
-  camera.pinhole.skew = 0.1;
-  expect("skew", with_left(camera));
-  EXPECT_TRUE(!fs::exists(scratch / "run") || fs::is_empty(scratch / "run"));
-}
-
-TEST(DataSetWriter, SamplesThatCannotBeAreRefusedAndTheRestGoesOn) {
-  const ScratchFolder scratch;
-  RecordingSetup recording = setup();
-  DataSetWriter writer = open(scratch / "run", recording);
-  StereoFrame small = frame(0);
-  small.right = Image<std::uint8_t>(3, 3);
-  EXPECT_FALSE(writer.add(0, small));
-  EXPECT_FALSE(writer.add(2, frame(0)));
-  EXPECT_FALSE(writer.add(-1, frame(0)));
-  StereoFrame early = frame(0);
-  early.stamp_ns = -1;
-  EXPECT_FALSE(writer.add(0, early));
-  ImuSample bad = imu(0);
-  bad.accel_m_per_s2.y() = std::numeric_limits<double>::infinity();
-  const Status refused = writer.add(bad);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().where, "imu0");
-  EXPECT_FALSE(writer.add(BumpEvent{-5, true}));
-  BodyTruth bent = truth(0);
-  bent.T_world_body.linear() *= 2.0;
-  EXPECT_FALSE(writer.add(bent));
-  EXPECT_FALSE(writer.add_raster("../height", {}));
-  EXPECT_FALSE(writer.add_raster("height", {}));
-  EXPECT_FALSE(writer.add_depth(0, 0, {}));
-  EXPECT_DONE(writer.add(0, frame(0)));
-  EXPECT_DONE(writer.add(imu(0)));
-  EXPECT_DONE(writer.finish());
-  EXPECT_EQ(frames_of(scratch / "run").size(), 1U);
-  EXPECT_FALSE(writer.add(imu(1))) << "it is finished";
-  EXPECT_FALSE(writer.finish());
-  recording.heads[0].imu.reset();
-  DataSetWriter blind = open(scratch / "blind", recording);
-  EXPECT_FALSE(blind.add(imu(0)));
-}
-
-TEST(DataSetWriter, AFullDiskIsToldByNameAndTheOldRecordingStays) {
-  const ScratchFolder scratch;
-  DataSetWriter old = open(scratch.path());
-  EXPECT_DONE(old.add(0, frame(0)));
-  EXPECT_DONE(old.finish());
-  const auto write_until_full = [&] {
-    DataSetWriter writer = open(scratch.path());
-    Status done;
-    for (int i = 0; done && i < 100'000; ++i) done = writer.add(imu(i));
-    EXPECT_FALSE(done) << "the table grew beyond the limit";
-    if (!done) {
-      EXPECT_EQ(done.error().code, ErrorCode::kWriteFailed);
-      EXPECT_EQ(done.error().where, (scratch / "mav0/imu0/data.csv").string());
-    }
-    EXPECT_FALSE(writer.add(0, frame(1))) << "nothing more is taken";
-    const Status finished = writer.finish();
-    ASSERT_FALSE(finished);
-    EXPECT_EQ(finished.error().where, done.error().where);
-  };
-  rlimit before{};
-  getrlimit(RLIMIT_FSIZE, &before);
-  auto* const handler = std::signal(SIGXFSZ, SIG_IGN);
-  rlimit small = before;
-  small.rlim_cur = 200'000;  // bytes a file
-  setrlimit(RLIMIT_FSIZE, &small);
-  write_until_full();
-  setrlimit(RLIMIT_FSIZE, &before);
-  std::signal(SIGXFSZ, handler);
-  EXPECT_EQ(frames_of(scratch.path()).size(), 1U);
-  EXPECT_FALSE(fs::exists(scratch / ".tread-recording"));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 set(here ${CMAKE_CURRENT_LIST_DIR})
 target_sources(tread_tests PRIVATE
   ${here}/atomic_file_test.cpp
+  ${here}/data_set_writer_errors_test.cpp
   ${here}/data_set_writer_test.cpp
   ${here}/image_file_test.cpp
   ${here}/image_header_test.cpp

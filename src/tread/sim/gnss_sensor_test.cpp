@@ -70,6 +70,9 @@ TEST(GnssSensor, TheErrorHasTheSpreadAndTheMemoryAskedFor) {
   EXPECT_NEAR(covariance(errors, 0) - covariance(errors, 1),
               white2 + drift2 * (1.0 - std::exp(-1.0 / 20.0)), 0.03)
       << "white";
+  options.white_m = 0.0;  // then neighbours tell the time constant to 1.5 %
+  const auto slow = errors_of(options, 100'000, 1.0);
+  EXPECT_NEAR(-1.0 / std::log(covariance(slow, 1) / covariance(slow, 0)), 20.0, 1.0);
   double up2 = 0.0, level_up = 0.0;
   for (const Vector3d& error : errors) {
     up2 += error.z() * error.z();
