@@ -187,16 +187,16 @@ TEST(RoverBody, MotorsDrawWhatTheGroundTakes) {
 
 TEST(RoverBody, TheBumperFeelsABox) {
   World world = test::flat_world();
-  world.solids = {block(1.5, 0.0, 0.3, 0.5, 0.6, "box")};
+  world.solids = {block(6.5, 0.0, 0.3, 0.5, 0.6, "box")};  // out of reach at first
   const auto rover = rover_on(world);
   EXPECT_FALSE(rover->bumper_pressed());
   double pressed_at = -1.0;
-  run(*rover, 4.0, {0.5, 0.0}, [&] {
+  run(*rover, 7.5, {1.0, 0.0}, [&] {
     if (rover->bumper_pressed() && pressed_at < 0.0) pressed_at = place_of(*rover).x();
   });
-  EXPECT_NEAR(pressed_at, 1.2 - rover->options().overhang_m, 0.01);
+  EXPECT_NEAR(pressed_at, 6.2 - rover->options().overhang_m, 0.01);
   EXPECT_TRUE(rover->bumper_pressed());
-  EXPECT_LT(place_of(*rover).x(), 1.2 - rover->options().overhang_m + 0.02);
+  EXPECT_LT(place_of(*rover).x(), 6.2 - rover->options().overhang_m + 0.02);
   run(*rover, 1.5, {-0.5, 0.0});
   EXPECT_FALSE(rover->bumper_pressed());
 }
