@@ -201,6 +201,29 @@ TEST(RoverBody, TheBumperFeelsABox) {
   EXPECT_FALSE(rover->bumper_pressed());
 }
 
+TEST(RoverBody, PeoplePushItAndAreFeltButDoNotRollItOver) {
+  World world = test::flat_world();
+  Person person;
+  person.name = "someone";
+  person.path_m = {{-4.0, 0.05}, {4.0, 0.05}};
+  world.people = {person};
+  const auto rover = rover_on(world);
+  double most_tilt = 0.0, farthest = 0.0;
+  run(*rover, 6.0, {}, [&] {
+    most_tilt = std::max(most_tilt, std::acos(rover->motion().T_world_body.linear()(2, 2)));
+    farthest = std::max(farthest, place_of(*rover).norm());
+  });
+  EXPECT_GT(farthest, 0.01);
+  EXPECT_LT(most_tilt, 45.0 * kDegree);
+  EXPECT_NEAR(rover->motion().T_world_body.linear()(2, 2), 1.0, 0.01);
+  world.people.front().path_m = {{2.0, 0.0}, {2.0, 4.0}};
+  world.people.front().speed_m_per_s = 0.0;
+  const auto other = rover_on(world);
+  bool felt = false;
+  run(*other, 3.0, {0.8, 0.0}, [&] { felt |= other->bumper_pressed(); });
+  EXPECT_TRUE(felt);
+}
+
 TEST(RoverBody, ClimbsALowKerbAndNotAHighOne) {
   const auto reached = [](double height_m) {
     World world = test::flat_world();
