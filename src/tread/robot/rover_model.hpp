@@ -2,6 +2,8 @@
 // casters behind, or four driven wheels. Body axes: x forward, y left, z up; the origin is on the
 // ground below the middle between the driven wheels, so with casters below the front axle, about
 // which the robot turns while its tail swings out.
+// Outline, drive and top speeds are those of LAGR; wheels, masses and motors, which nobody has
+// published, those of such a machine.
 //
 // Of wheels that roll without slipping a side goes v -+ w b / 2, b being the track. Four wheels
 // whose axles are L apart must scrub sideways to turn; where friction is Coulomb's and all bear

@@ -187,18 +187,41 @@ TEST(RoverBody, MotorsDrawWhatTheGroundTakes) {
 
 TEST(RoverBody, TheBumperFeelsABox) {
   World world = test::flat_world();
-  world.solids = {block(1.5, 0.0, 0.3, 0.5, 0.6, "box")};
+  world.solids = {block(6.5, 0.0, 0.3, 0.5, 0.6, "box")};  // out of reach at first
   const auto rover = rover_on(world);
   EXPECT_FALSE(rover->bumper_pressed());
   double pressed_at = -1.0;
-  run(*rover, 4.0, {0.5, 0.0}, [&] {
+  run(*rover, 7.5, {1.0, 0.0}, [&] {
     if (rover->bumper_pressed() && pressed_at < 0.0) pressed_at = place_of(*rover).x();
   });
-  EXPECT_NEAR(pressed_at, 1.2 - rover->options().overhang_m, 0.01);
+  EXPECT_NEAR(pressed_at, 6.2 - rover->options().overhang_m, 0.01);
   EXPECT_TRUE(rover->bumper_pressed());
-  EXPECT_LT(place_of(*rover).x(), 1.2 - rover->options().overhang_m + 0.02);
+  EXPECT_LT(place_of(*rover).x(), 6.2 - rover->options().overhang_m + 0.02);
   run(*rover, 1.5, {-0.5, 0.0});
   EXPECT_FALSE(rover->bumper_pressed());
+}
+
+TEST(RoverBody, PeoplePushItAndAreFeltButDoNotRollItOver) {
+  World world = test::flat_world();
+  Person person;
+  person.name = "someone";
+  person.path_m = {{-4.0, 0.05}, {4.0, 0.05}};
+  world.people = {person};
+  const auto rover = rover_on(world);
+  double most_tilt = 0.0, farthest = 0.0;
+  run(*rover, 6.0, {}, [&] {
+    most_tilt = std::max(most_tilt, std::acos(rover->motion().T_world_body.linear()(2, 2)));
+    farthest = std::max(farthest, place_of(*rover).norm());
+  });
+  EXPECT_GT(farthest, 0.01);
+  EXPECT_LT(most_tilt, 45.0 * kDegree);
+  EXPECT_NEAR(rover->motion().T_world_body.linear()(2, 2), 1.0, 0.01);
+  world.people.front().path_m = {{2.0, 0.0}, {2.0, 4.0}};
+  world.people.front().speed_m_per_s = 0.0;
+  const auto other = rover_on(world);
+  bool felt = false;
+  run(*other, 3.0, {0.8, 0.0}, [&] { felt |= other->bumper_pressed(); });
+  EXPECT_TRUE(felt);
 }
 
 TEST(RoverBody, ClimbsALowKerbAndNotAHighOne) {

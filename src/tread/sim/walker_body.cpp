@@ -14,7 +14,7 @@
 namespace tread {
 namespace {
 
-constexpr double kSettleS = 1.5;
+constexpr double kSettleS = 2.0;
 constexpr int kFirstPosition = 7, kFirstSpeed = 6;  // of joints, after the free body's
 
 template <class T>
