@@ -65,6 +65,7 @@ class Field {
   // "rig.yaml:12: left.fx"
   [[nodiscard]] std::string where() const;
   [[nodiscard]] const std::string& file() const { return file_; }
+  [[nodiscard]] int line() const { return node_->line; }
   // "objects[3].pallet", whatever the file is called and its lines are.
   [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] tl::unexpected<Error> error(ErrorCode code, std::string what,

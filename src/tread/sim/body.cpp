@@ -91,6 +91,8 @@ Status Body::lift_out(Isometry3d T_world_body, const std::string& where) {
 Status Body::stand_at(const Isometry3d& T_world_body, double settle_s, const std::string& robot) {
   const Eigen::Vector3d p = T_world_body.translation();
   const std::string where = fmt::format("{} at x {:.2f} m, y {:.2f} m", robot, p.x(), p.y());
+  // To its place first: where the model was made it may be deep in the ground.
+  if (Status done = physics_.set_robot_pose(T_world_body); !done) return done;
   if (Status done = physics_.set_time(-settle_s); !done) return done;
   if (Status done = lift_out(T_world_body, where); !done) return done;
   look(0.0);

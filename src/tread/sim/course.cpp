@@ -9,6 +9,7 @@
 
 #include "tread/io/atomic_file.hpp"
 #include "tread/sim/course_builder.hpp"
+#include "tread/sim/relief.hpp"
 
 namespace tread {
 namespace internal {
@@ -178,25 +179,13 @@ double CourseBuilder::from_route(const Eigen::Vector2d& place) const {
   std::vector<Eigen::Vector2d> way{world.start.position_m};
   way.insert(way.end(), world.route_m.begin(), world.route_m.end());
   way.push_back(world.goal_m);
-  return distance_to_line(way, place);
+  return nearest_on_line(way, place).distance_m;
 }
 
 double CourseBuilder::height(const Eigen::Vector2d& place) const {
   const GridGeometry& g = world.ground.geometry;
   const Eigen::Vector2d low = g.centre({0, 0}), high = g.centre({g.columns - 1, g.rows - 1});
   return ground_height(world, place.cwiseMax(low).cwiseMin(high));
-}
-
-double distance_to_line(const std::vector<Eigen::Vector2d>& line, const Eigen::Vector2d& place) {
-  double nearest = (place - line.front()).norm();
-  for (std::size_t i = 1; i < line.size(); ++i) {
-    const Eigen::Vector2d step = line[i] - line[i - 1];
-    const double length2 = step.squaredNorm();
-    const double share =
-        length2 > 0.0 ? std::clamp(step.dot(place - line[i - 1]) / length2, 0.0, 1.0) : 0.0;
-    nearest = std::min(nearest, (line[i - 1] + share * step - place).norm());
-  }
-  return nearest;
 }
 
 }  // namespace internal

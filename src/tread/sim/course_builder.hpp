@@ -32,10 +32,6 @@ struct CourseBuilder {
   [[nodiscard]] double height(const Eigen::Vector2d& place) const;
 };
 
-// From a line through places.
-[[nodiscard]] double distance_to_line(const std::vector<Eigen::Vector2d>& line,
-                                      const Eigen::Vector2d& place);
-
 // A box upright on the ground, its top `size.z` above the ground at its middle (or `lift_m` more,
 // and then it does not reach down): its foot goes as far down as the ground around it.
 struct BoxSpec {

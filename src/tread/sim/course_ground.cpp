@@ -161,6 +161,13 @@ Status read_relief(const Field& item, CourseBuilder& builder) {
                    height = fields.required_number("height_m", -100.0, 100.0);
       if (Status s = fields.done(); !s) return s;
       add_mound(heights, at, radius, height);
+    } else if (kind == "road") {
+      const auto line = fields.places("line_m", 2);
+      const double width = fields.number("width_m", 2.0, 0.0, 1e4),
+                   bank = fields.number("bank_m", 1.0, 1e-3, 1e4),
+                   smooth = fields.number("smooth_m", 3.0, 0.0, 1e4);
+      if (Status s = fields.done(); !s) return s;
+      level_road(heights, line, width, bank, smooth);
     } else if (kind == "level") {
       const Eigen::Vector2d at = fields.place("at_m", builder.world.start.position_m);
       const double radius = fields.number("radius_m", 1.0, 0.0, 1e4),
@@ -168,7 +175,7 @@ Status read_relief(const Field& item, CourseBuilder& builder) {
       if (Status s = fields.done(); !s) return s;
       level_disc(heights, at, radius, blend);
     } else {
-      return item.allow_only({"noise", "ramp", "ditch", "dam", "mound", "level"});
+      return item.allow_only({"noise", "ramp", "ditch", "dam", "mound", "road", "level"});
     }
   }
   return {};
@@ -226,7 +233,7 @@ Status read_patch(const Field& item, CourseBuilder& builder) {
     for (int x = 0; x < surfaces.geometry.columns; ++x) {
       const Eigen::Vector2d p = surfaces.geometry.centre({x, y});
       if (!polygon.empty() && !inside(polygon, p)) continue;
-      if (!line.empty() && distance_to_line(line, p) > 0.5 * width) continue;
+      if (!line.empty() && nearest_on_line(line, p).distance_m > 0.5 * width) continue;
       if (share > 0.0 && field[{x, y}] > threshold) continue;
       surfaces[{x, y}] = number;
     }

@@ -282,7 +282,7 @@ Status read_object(const Field& item, CourseBuilder& builder) {
   }
   const auto& [kind, field] = entries->front();
   Random stream = builder.random.stream(field.path());
-  const std::string name = field.path();
+  const std::string name = fmt::format("{} (line {})", field.path(), field.line());
   for (const Kind& known : kinds()) {
     if (kind != known.name) continue;
     CourseFields fields(field);

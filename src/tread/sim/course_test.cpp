@@ -88,7 +88,7 @@ TEST(Course, PalletsStackWithTheirOffset) {
   EXPECT_NEAR(top_height(world, {1.9, 1.0}), 0.30, 1e-12);
   EXPECT_NEAR(top_height(world, {2.9, 1.3}), 0.30, 1e-12);
   EXPECT_NEAR(top_height(world, {3.1, 1.0}), 0.0, 1e-12);
-  EXPECT_EQ(world.solids[0].name, "objects[0].pallet (1)");
+  EXPECT_EQ(world.solids[0].name, "objects[0].pallet (line 4) (1)");
 }
 
 TEST(Course, StairsRiseByEqualSteps) {

@@ -145,4 +145,58 @@ void level_disc(Grid<float>& heights, const Eigen::Vector2d& middle, double radi
   });
 }
 
+void level_road(Grid<float>& heights, const std::vector<Eigen::Vector2d>& line, double width_m,
+                double bank_m, double smooth_m) {
+  const GridGeometry& geometry = heights.geometry;
+  const double step = geometry.resolution_m;
+  std::vector<double> ground, profile;
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const Eigen::Vector2d along = line[i] - line[i - 1];
+    const int count = std::max(1, static_cast<int>(std::lround(along.norm() / step)));
+    for (int k = i == 1 ? 0 : 1; k <= count; ++k) {
+      const Eigen::Vector2d p = line[i - 1] + static_cast<double>(k) / count * along;
+      const Cell c = geometry.cell_at(p);
+      ground.push_back(heights[{std::clamp(c.x, 0, geometry.columns - 1),
+                                std::clamp(c.y, 0, geometry.rows - 1)}]);
+    }
+  }
+  // Means over a window, which is shorter towards the ends.
+  std::vector<double> sums{0.0};
+  for (const double h : ground) sums.push_back(sums.back() + h);
+  const auto last = static_cast<std::ptrdiff_t>(ground.size()) - 1,
+             half = static_cast<std::ptrdiff_t>(0.5 * smooth_m / step);
+  for (std::ptrdiff_t i = 0; i <= last; ++i) {
+    const std::ptrdiff_t reach = std::min({half, i, last - i});
+    const auto from = static_cast<std::size_t>(i - reach),
+               to = static_cast<std::size_t>(i + reach + 1);
+    profile.push_back((sums[to] - sums[from]) / static_cast<double>(to - from));
+  }
+  change_each(heights, [&](const Eigen::Vector2d& p, double height) {
+    const NearestOnLine nearest = nearest_on_line(line, p);
+    const double share = fade(nearest.distance_m, 0.5 * width_m, 0.5 * width_m + bank_m);
+    if (share <= 0.0) return height;
+    const double at = std::clamp(nearest.way_m / step, 0.0, static_cast<double>(last));
+    const auto i = std::min(static_cast<std::size_t>(at), profile.size() - 2);
+    const double b = at - static_cast<double>(i);
+    return height + share * ((1.0 - b) * profile[i] + b * profile[i + 1] - height);
+  });
+}
+
+NearestOnLine nearest_on_line(const std::vector<Eigen::Vector2d>& line,
+                              const Eigen::Vector2d& place) {
+  NearestOnLine nearest{(place - line.front()).norm(), 0.0};
+  double before = 0.0;
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const Eigen::Vector2d step = line[i] - line[i - 1];
+    const double length = step.norm();
+    const double share =
+        length > 0.0 ? std::clamp(step.dot(place - line[i - 1]) / (length * length), 0.0, 1.0)
+                     : 0.0;
+    const double distance = (line[i - 1] + share * step - place).norm();
+    if (distance < nearest.distance_m) nearest = {distance, before + share * length};
+    before += length;
+  }
+  return nearest;
+}
+
 }  // namespace tread

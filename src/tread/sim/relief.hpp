@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <vector>
 
 #include "tread/core/grid.hpp"
 
@@ -43,5 +44,18 @@ void add_mound(Grid<float>& heights, const Eigen::Vector2d& middle, double radiu
 // Makes a disc level at the height of its middle, blending into the ground around over blend_m.
 void level_disc(Grid<float>& heights, const Eigen::Vector2d& middle, double radius_m,
                 double blend_m);
+
+// Makes a road along a line: level across, and along it as high as the ground is on the mean over
+// smooth_m of the way; its banks blend into the ground beside it.
+void level_road(Grid<float>& heights, const std::vector<Eigen::Vector2d>& line, double width_m,
+                double bank_m, double smooth_m);
+
+// The nearest point of a line through places: how far away it is, and how far along the line.
+struct NearestOnLine {
+  double distance_m = 0.0;
+  double way_m = 0.0;
+};
+[[nodiscard]] NearestOnLine nearest_on_line(const std::vector<Eigen::Vector2d>& line,
+                                            const Eigen::Vector2d& place);
 
 }  // namespace tread

@@ -232,8 +232,8 @@ TEST(SimulatedRobot, RefusesWhatItCannotDo) {
   blind.head.focal_px = 0.0;
   EXPECT_NE(message("", blind).find("head.focal_px"), std::string::npos);
   const std::string rock =
-      message("objects: [{rock: {at_m: [0.1, 0], size_m: 1.2}}]\n", rover_setup());
-  EXPECT_NE(rock.find("objects[0].rock"), std::string::npos) << rock;
+      message("objects: [{rock: {at_m: [-0.3, 0], size_m: 0.8}}]\n", rover_setup());
+  EXPECT_NE(rock.find("objects[0].rock (line 4)"), std::string::npos) << rock;
   EXPECT_NE(message("faults: [{sensor: camera5, kind: dead}]\n", rover_setup()).find("camera5"),
             std::string::npos);
 }

@@ -22,7 +22,7 @@ struct Solid {
     kEllipsoid,  // half_m: half its axes
     kHull,       // World::hulls[hull], scaled by half_m
   };
-  std::string name;  // as the course calls it: "pallets[1]", for messages
+  std::string name;  // as the course calls it: "objects[1].pallet (line 9)"
   Shape shape = Shape::kBox;
   Isometry3d T_world_solid = Isometry3d::Identity();
   Eigen::Vector3d half_m = Eigen::Vector3d::Constant(0.5);
