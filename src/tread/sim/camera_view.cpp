@@ -1,6 +1,7 @@
 #include "tread/sim/camera_view.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -40,19 +41,20 @@ Sample sample_of(int index, int samples) {
   return {(index + 0.5) / samples, place(0.7548776662466927), place(0.5698402909980532)};
 }
 
-// T_world_camera of every row of the image, at a time within its exposure.
+// T_world_camera of every row of the image, at a time within its exposure; one for all if all rows
+// are exposed at once.
 std::vector<Isometry3d> row_poses(const CameraShot& shot, int rows, double time) {
   const double span = shot.exposure_s + shot.readout_s;
   const Eigen::Matrix3d R_start = shot.T_world_start.linear();
   const Eigen::Vector3d turn = so3_log(R_start.transpose() * shot.T_world_end.linear());
   const Eigen::Vector3d way = shot.T_world_end.translation() - shot.T_world_start.translation();
-  std::vector<Isometry3d> poses(static_cast<std::size_t>(rows), shot.T_world_start);
-  for (int v = 0; v < rows; ++v) {
-    const double opens = rows > 1 ? shot.readout_s * v / (rows - 1) : 0.0;
+  const bool rolling = shot.readout_s > 0.0 && rows > 1;
+  std::vector<Isometry3d> poses(rolling ? static_cast<std::size_t>(rows) : 1U, shot.T_world_start);
+  for (std::size_t v = 0; v < poses.size(); ++v) {
+    const double opens = rolling ? shot.readout_s * static_cast<double>(v) / (rows - 1) : 0.0;
     const double share = span > 0.0 ? (opens + shot.exposure_s * time) / span : 0.5;
-    Isometry3d& pose = poses[static_cast<std::size_t>(v)];
-    pose.linear() = R_start * so3_exp(share * turn);
-    pose.translation() += share * way;
+    poses[v].linear() = R_start * so3_exp(share * turn);
+    poses[v].translation() += share * way;
   }
   return poses;
 }
@@ -139,6 +141,7 @@ class Renderer {
            RayBatch& batch) const {
     batch.count = RayBatch::kMost;
     const bool centre = sample.du == 0.0 && sample.dv == 0.0;
+    std::array<std::array<double, RayBatch::kMost>, 3> bearing;
     for (int i = 0; i < RayBatch::kMost; ++i) {
       const InTile at = in_tile(i);
       const auto to = static_cast<std::size_t>(i);
@@ -148,14 +151,43 @@ class Renderer {
       const PixelRay& ray = rays_.pixels(x, y);
       const bool inside = x == x0 + at.x && y == y0 + at.y;
       batch.spread_rad[to] = inside ? ray.spread_rad : std::numeric_limits<float>::quiet_NaN();
-      const Eigen::Vector3d bearing = centre || !(ray.spread_rad >= 0.0F)
-                                          ? Eigen::Vector3d(ray.x, ray.y, ray.z)
-                                          : rays_.beside(x, y, sample.du, sample.dv);
-      const Isometry3d& T = poses[static_cast<std::size_t>(y)];
-      const Eigen::Vector3d direction = T.linear() * bearing;
+      bearing[0][to] = ray.x;
+      bearing[1][to] = ray.y;
+      bearing[2][to] = ray.z;
+      if (centre || !(ray.spread_rad >= 0.0F)) continue;
+      const Eigen::Vector3d beside = rays_.beside(x, y, sample.du, sample.dv);
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        batch.origin[axis][to] = T.translation()(static_cast<Eigen::Index>(axis));
-        batch.direction[axis][to] = direction(static_cast<Eigen::Index>(axis));
+        bearing[axis][to] = beside(static_cast<Eigen::Index>(axis));
+      }
+    }
+    if (poses.size() == 1) {
+      turn(poses.front(), bearing, batch);
+    } else {
+      turn_rows(poses, y0, bearing, batch);
+    }
+  }
+
+  static void turn(const Isometry3d& T, const std::array<std::array<double, RayBatch::kMost>, 3>& b,
+                   RayBatch& batch) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double x = T.linear()(axis, 0), y = T.linear()(axis, 1), z = T.linear()(axis, 2);
+      auto& direction = batch.direction[static_cast<std::size_t>(axis)];
+      for (std::size_t i = 0; i < RayBatch::kMost; ++i) {
+        direction[i] = x * b[0][i] + y * b[1][i] + z * b[2][i];
+      }
+      batch.origin[static_cast<std::size_t>(axis)].fill(T.translation()(axis));
+    }
+  }
+  static void turn_rows(const std::vector<Isometry3d>& poses, int y0,
+                        const std::array<std::array<double, RayBatch::kMost>, 3>& b,
+                        RayBatch& batch) {
+    for (std::size_t i = 0; i < RayBatch::kMost; ++i) {
+      const auto row = static_cast<std::size_t>(y0 + in_tile(static_cast<int>(i)).y);
+      const Isometry3d& T = poses[std::min(row, poses.size() - 1)];
+      const Eigen::Vector3d direction = T.linear() * Eigen::Vector3d(b[0][i], b[1][i], b[2][i]);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        batch.origin[axis][i] = T.translation()(static_cast<Eigen::Index>(axis));
+        batch.direction[axis][i] = direction(static_cast<Eigen::Index>(axis));
       }
     }
   }

@@ -3,42 +3,53 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tread/sim/hash_noise_kernel.hpp"
-
 namespace tread {
 
 GroundSurface::GroundSurface(const World& world, const Eigen::Vector2d& centre)
-    : world_(&world),
-      columns_(static_cast<std::size_t>(world.ground.geometry.columns)),
+    : columns_(static_cast<std::size_t>(world.ground.geometry.columns)),
+      rows_(static_cast<std::size_t>(world.ground.geometry.rows)),
       resolution_m_(world.ground.geometry.resolution_m),
       first_(world.ground.geometry.centre({0, 0}) - centre) {
   const int columns = world.ground.geometry.columns, rows = world.ground.geometry.rows;
-  slopes_.resize(world.ground.values.size());
-  is_border_.resize(world.ground.values.size());
-  const auto material = [&](int x, int y) { return world.ground_surface[{x, y}]; };
+  vertices_.resize(world.ground.values.size());
+  const auto step = static_cast<float>(resolution_m_);
   std::size_t i = 0;
   for (int y = 0; y < rows; ++y) {
     const int south = std::max(y - 1, 0), north = std::min(y + 1, rows - 1);
     for (int x = 0; x < columns; ++x, ++i) {
       const int west = std::max(x - 1, 0), east = std::min(x + 1, columns - 1);
-      const auto step = static_cast<float>(resolution_m_);
-      slopes_[i] = {
-          (height(east, y) - height(west, y)) / (step * static_cast<float>(east - west)),
-          (height(x, north) - height(x, south)) / (step * static_cast<float>(north - south))};
-      const std::uint8_t own = material(x, y);
+      GroundVertex& vertex = vertices_[i];
+      vertex.height = world.ground[{x, y}];
+      vertex.slope_x = (world.ground[{east, y}] - world.ground[{west, y}]) /
+                       (step * static_cast<float>(east - west));
+      vertex.slope_y = (world.ground[{x, north}] - world.ground[{x, south}]) /
+                       (step * static_cast<float>(north - south));
+      vertex.look = world.ground_surface[{x, y}];
       for (int v = south; v <= north; ++v) {
-        for (int u = west; u <= east; ++u)
-          if (material(u, v) != own) is_border_[i] = 1;
+        for (int u = west; u <= east; ++u) {
+          if (world.ground_surface[{u, v}] != world.ground_surface[{x, y}]) {
+            vertex.look |= kGroundBorder;
+          }
+        }
       }
     }
   }
 }
 
+GroundView GroundSurface::view() const {
+  return {vertices_.data(),
+          static_cast<std::int32_t>(columns_),
+          static_cast<std::int32_t>(rows_),
+          resolution_m_,
+          first_.x(),
+          first_.y()};
+}
+
 void GroundSurface::give_to(RayTracer& tracer, RayTracer::Layer layer, std::uint32_t id,
                             std::uint32_t mask) const {
-  const int columns = world_->ground.geometry.columns, rows = world_->ground.geometry.rows;
+  const int columns = static_cast<int>(columns_), rows = static_cast<int>(rows_);
   RayTracer::Vertices vertices;
-  vertices.reserve(world_->ground.values.size());
+  vertices.reserve(vertices_.size());
   for (int y = 0; y < rows; ++y) {
     for (int x = 0; x < columns; ++x) {
       const Eigen::Vector2d place = first_ + resolution_m_ * Eigen::Vector2d(x, y);
@@ -82,44 +93,6 @@ GroundSurface::Hit GroundSurface::hit(std::uint32_t part, const Eigen::Vector3d&
   const double falls = slope.dot(direction.head<2>()) - direction.z();
   const double distance = std::abs(falls) > 1e-9 ? above / falls : rough;
   return {distance, Eigen::Vector3d(-slope.x(), -slope.y(), 1.0).normalized()};
-}
-
-Eigen::Vector3f GroundSurface::smooth_normal(const Eigen::Vector2d& place,
-                                             const Eigen::Vector3d& flat) const {
-  const GridGeometry& cells = world_->ground.geometry;
-  const Eigen::Vector2d p = (place - first_) * (1.0 / resolution_m_);
-  const int x = std::clamp(static_cast<int>(p.x()), 0, cells.columns - 2),
-            y = std::clamp(static_cast<int>(p.y()), 0, cells.rows - 2);
-  const auto a = static_cast<float>(p.x() - x), b = static_cast<float>(p.y() - y);
-  const Eigen::Vector2f* low =
-      &slopes_[static_cast<std::size_t>(y) * columns_ + static_cast<std::size_t>(x)];
-  const Eigen::Vector2f* high = low + columns_;
-  const Eigen::Vector2f west = low[0] + b * (high[0] - low[0]),
-                        east = low[1] + b * (high[1] - low[1]);
-  const Eigen::Vector2f slope = west + a * (east - west);
-  const Eigen::Vector3f smooth = Eigen::Vector3f(-slope.x(), -slope.y(), 1.0F) /
-                                 std::sqrt(1.0F + slope.squaredNorm()),
-                        hard = flat.cast<float>();
-  const float share = smooth_step(0.85F, 0.97F, smooth.dot(hard));
-  if (share >= 1.0F) return smooth;
-  return (hard + share * (smooth - hard)).normalized();
-}
-
-int GroundSurface::material(const Eigen::Vector2d& place) const {
-  const GridGeometry& cells = world_->ground.geometry;
-  const auto cell = [&](const Eigen::Vector2d& p) -> std::size_t {
-    const int x = std::clamp(static_cast<int>(std::floor(p.x() + 0.5)), 0, cells.columns - 1),
-              y = std::clamp(static_cast<int>(std::floor(p.y() + 0.5)), 0, cells.rows - 1);
-    return static_cast<std::size_t>(y) * columns_ + static_cast<std::size_t>(x);
-  };
-  const Eigen::Vector2d p = (place - first_) / resolution_m_;
-  std::size_t at = cell(p);
-  if (is_border_[at] != 0) {
-    const auto x = static_cast<float>(p.x()), y = static_cast<float>(p.y());
-    at = cell(p + 0.9 * Eigen::Vector2d(static_cast<double>(fbm(1.3F * x, 1.3F * y, 4, 0.7F, 1U)),
-                                        static_cast<double>(fbm(1.3F * x, 1.3F * y, 4, 0.7F, 2U))));
-  }
-  return world_->ground_surface.values[at];
 }
 
 }  // namespace tread

@@ -4,12 +4,13 @@
 #include <cstdint>
 #include <vector>
 
+#include "tread/sim/ground_kernel.hpp"
 #include "tread/sim/ray_tracer.hpp"
 #include "tread/sim/world.hpp"
 
 namespace tread {
 
-// Axes: those of the world about `centre`. The world must outlive it.
+// Axes: those of the world about `centre`.
 class GroundSurface {
  public:
   GroundSurface() = default;
@@ -22,29 +23,22 @@ class GroundSurface {
     double distance = 0.0;
     Eigen::Vector3d normal;  // upwards, of the flat triangle
   };
-  // Where a ray meets the triangle of a square (the tracer's part) that lies at `rough`.
+  // Where a ray meets the triangle of a square (the tracer's part) that lies at `rough`: of one
+  // ray, what meet_ground() does for many.
   [[nodiscard]] Hit hit(std::uint32_t part, const Eigen::Vector3d& origin,
                         const Eigen::Vector3d& direction, double rough) const;
-  // The normal of a smooth surface through the heights, for light; `flat`, that of the triangle,
-  // where the ground has an edge.
-  [[nodiscard]] Eigen::Vector3f smooth_normal(const Eigen::Vector2d& place,
-                                              const Eigen::Vector3d& flat) const;
-  // Index into ground_materials. Borders between materials are ragged by less than a cell: cells
-  // are how the world is written, not how it looks.
-  [[nodiscard]] int material(const Eigen::Vector2d& place) const;
+  // As meet_ground() wants it.
+  [[nodiscard]] GroundView view() const;
 
  private:
   [[nodiscard]] float height(int x, int y) const {
-    return world_->ground
-        .values[static_cast<std::size_t>(y) * columns_ + static_cast<std::size_t>(x)];
+    return vertices_[static_cast<std::size_t>(y) * columns_ + static_cast<std::size_t>(x)].height;
   }
 
-  const World* world_ = nullptr;
-  std::size_t columns_ = 0;
+  std::size_t columns_ = 0, rows_ = 0;
   double resolution_m_ = 1.0;
   Eigen::Vector2d first_ = Eigen::Vector2d::Zero();  // the centre of cell (0, 0)
-  std::vector<Eigen::Vector2f> slopes_;              // of the smooth surface, at the centres
-  std::vector<std::uint8_t> is_border_;              // cells with another material around
+  std::vector<GroundVertex> vertices_;               // at the centres of the cells
 };
 
 }  // namespace tread

@@ -39,6 +39,20 @@ inline constexpr std::uint32_t kHashStepX = 0x9E3779B1U, kHashStepY = 0x85EBCA77
                   static_cast<std::uint32_t>(z) * kHashStepZ ^ seed);
 }
 
+// hash_lattice() of points beside (x, y), with one multiplication an axis instead of one a point.
+struct LatticeSteps {
+  std::uint32_t x = 0, y = 0, seed = 0;
+  [[gnu::always_inline]] constexpr LatticeSteps(std::int32_t ix, std::int32_t iy,
+                                                std::uint32_t of_seed)
+      : x(static_cast<std::uint32_t>(ix) * kHashStepX),
+        y(static_cast<std::uint32_t>(iy) * kHashStepY),
+        seed(of_seed) {}
+  [[nodiscard, gnu::always_inline]] constexpr std::uint32_t at(std::uint32_t dx,
+                                                               std::uint32_t dy) const {
+    return hash_mix((x + dx * kHashStepX) ^ (y + dy * kHashStepY) ^ seed);
+  }
+};
+
 // A hash as a number from -1 to 1, and from 0 to 1 (24 bits: what a float holds).
 [[nodiscard, gnu::always_inline]] constexpr float signed_unit(std::uint32_t h) {
   return static_cast<float>(static_cast<std::int32_t>(h) >> 8) * (1.0F / 8388608.0F);
@@ -115,10 +129,10 @@ inline constexpr std::uint32_t kHashStepX = 0x9E3779B1U, kHashStepY = 0x85EBCA77
   const std::int32_t ix = lattice_floor(x), iy = lattice_floor(y);
   const float dx = x - static_cast<float>(ix), dy = y - static_cast<float>(iy);
   const float fx = fade(dx);
-  const float low = mix(slope_at(hash_lattice(ix, iy, seed), dx, dy),
-                        slope_at(hash_lattice(ix + 1, iy, seed), dx - 1.0F, dy), fx);
-  const float high = mix(slope_at(hash_lattice(ix, iy + 1, seed), dx, dy - 1.0F),
-                         slope_at(hash_lattice(ix + 1, iy + 1, seed), dx - 1.0F, dy - 1.0F), fx);
+  const LatticeSteps h(ix, iy, seed);
+  const float low = mix(slope_at(h.at(0, 0), dx, dy), slope_at(h.at(1, 0), dx - 1.0F, dy), fx);
+  const float high =
+      mix(slope_at(h.at(0, 1), dx, dy - 1.0F), slope_at(h.at(1, 1), dx - 1.0F, dy - 1.0F), fx);
   return mix(low, high, fade(dy));
 }
 [[nodiscard, gnu::always_inline]] constexpr float gradient_noise(float x, float y, float z,
@@ -127,14 +141,15 @@ inline constexpr std::uint32_t kHashStepX = 0x9E3779B1U, kHashStepY = 0x85EBCA77
   const float dx = x - static_cast<float>(ix), dy = y - static_cast<float>(iy),
               dz = z - static_cast<float>(iz);
   const float fx = fade(dx), fy = fade(dy);
+  const std::uint32_t below = static_cast<std::uint32_t>(iz) * kHashStepZ;
   float layer[2] = {0.0F, 0.0F};
-  for (int k = 0; k < 2; ++k) {
+  for (std::uint32_t k = 0; k < 2; ++k) {
     const float ez = dz - static_cast<float>(k);
-    const float low = mix(slope_at(hash_lattice(ix, iy, iz + k, seed), dx, dy, ez),
-                          slope_at(hash_lattice(ix + 1, iy, iz + k, seed), dx - 1.0F, dy, ez), fx);
-    const float high =
-        mix(slope_at(hash_lattice(ix, iy + 1, iz + k, seed), dx, dy - 1.0F, ez),
-            slope_at(hash_lattice(ix + 1, iy + 1, iz + k, seed), dx - 1.0F, dy - 1.0F, ez), fx);
+    const LatticeSteps h(ix, iy, seed ^ (below + k * kHashStepZ));
+    const float low =
+        mix(slope_at(h.at(0, 0), dx, dy, ez), slope_at(h.at(1, 0), dx - 1.0F, dy, ez), fx);
+    const float high = mix(slope_at(h.at(0, 1), dx, dy - 1.0F, ez),
+                           slope_at(h.at(1, 1), dx - 1.0F, dy - 1.0F, ez), fx);
     layer[k] = mix(low, high, fy);
   }
   return mix(layer[0], layer[1], fade(dz));
@@ -165,30 +180,40 @@ struct Cellular {
   float second = 0.0F;         // and to the next
   std::uint32_t stone = 0;     // hash of the nearest
 };
+// The stone of hash h in the square (i, j) from that of the place, which lies at (fx, fy) in it.
+[[gnu::always_inline]] constexpr void see_stone(Cellular& found, std::uint32_t h, float i, float j,
+                                                float fx, float fy) {
+  const auto jitter_x = static_cast<float>(static_cast<std::int32_t>(h & 0xFFFFU)),
+             jitter_y = static_cast<float>(static_cast<std::int32_t>(h >> 16));
+  const float dx = fx - i - jitter_x * (1.0F / 65536.0F),
+              dy = fy - j - jitter_y * (1.0F / 65536.0F);
+  const float d = dx * dx + dy * dy;
+  const bool nearer = d < found.nearest;
+  const float other = nearer ? found.nearest : d;
+  found.second = other < found.second ? other : found.second;
+  found.dx = nearer ? dx : found.dx;
+  found.dy = nearer ? dy : found.dy;
+  found.stone = nearer ? h : found.stone;
+  found.nearest = nearer ? d : found.nearest;
+}
 [[nodiscard, gnu::always_inline]] constexpr Cellular cellular(float x, float y,
                                                               std::uint32_t seed) {
   const std::int32_t ix = lattice_floor(x), iy = lattice_floor(y);
   const float fx = x - static_cast<float>(ix), fy = y - static_cast<float>(iy);
-  Cellular result;
-  result.nearest = result.second = 8.0F;
-  for (int j = -1; j <= 1; ++j) {
-    for (int i = -1; i <= 1; ++i) {
-      const std::uint32_t h = hash_lattice(ix + i, iy + j, seed);
-      const float jitter_x = static_cast<float>(static_cast<std::int32_t>(h & 0xFFFFU)),
-                  jitter_y = static_cast<float>(static_cast<std::int32_t>(h >> 16));
-      const float dx = fx - static_cast<float>(i) - jitter_x * (1.0F / 65536.0F);
-      const float dy = fy - static_cast<float>(j) - jitter_y * (1.0F / 65536.0F);
-      const float d = dx * dx + dy * dy;
-      const bool nearer = d < result.nearest;
-      const float other = nearer ? result.nearest : d;
-      result.second = other < result.second ? other : result.second;
-      result.dx = nearer ? dx : result.dx;
-      result.dy = nearer ? dy : result.dy;
-      result.stone = nearer ? h : result.stone;
-      result.nearest = nearer ? d : result.nearest;
-    }
-  }
-  return result;
+  const LatticeSteps h(ix - 1, iy - 1, seed);
+  Cellular found;
+  found.nearest = found.second = 8.0F;
+  // Written out: compilers make no vectors of loops within loops.
+  see_stone(found, h.at(0, 0), -1.0F, -1.0F, fx, fy);
+  see_stone(found, h.at(1, 0), 0.0F, -1.0F, fx, fy);
+  see_stone(found, h.at(2, 0), 1.0F, -1.0F, fx, fy);
+  see_stone(found, h.at(0, 1), -1.0F, 0.0F, fx, fy);
+  see_stone(found, h.at(1, 1), 0.0F, 0.0F, fx, fy);
+  see_stone(found, h.at(2, 1), 1.0F, 0.0F, fx, fy);
+  see_stone(found, h.at(0, 2), -1.0F, 1.0F, fx, fy);
+  see_stone(found, h.at(1, 2), 0.0F, 1.0F, fx, fy);
+  see_stone(found, h.at(2, 2), 1.0F, 1.0F, fx, fy);
+  return found;
 }
 
 }  // namespace tread

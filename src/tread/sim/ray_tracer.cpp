@@ -197,25 +197,21 @@ struct RayTracer::Embree {
     rtcReleaseGeometry(geometry);
     empty[layer] = false;
   }
-  template <std::size_t kCorners>
   void add_mesh(Layer layer, std::uint32_t id, std::uint32_t mask, const Vertices& vertices,
-                const std::vector<std::array<std::uint32_t, kCorners>>& faces) {
-    if (faces.empty() || scenes[layer] == nullptr) return;
-    constexpr bool kQuads = kCorners == 4;
-    RTCGeometry geometry =
-        rtcNewGeometry(device, kQuads ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE);
+                const std::vector<std::array<std::uint32_t, 4>>& quads) {
+    if (quads.empty() || scenes[layer] == nullptr) return;
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_QUAD);
     void* corners = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                             sizeof(vertices[0]), vertices.size());
-    void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0,
-                                            kQuads ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3,
-                                            sizeof(faces[0]), faces.size());
+    void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4,
+                                            sizeof(quads[0]), quads.size());
     if (corners == nullptr || indices == nullptr) {
       out_of_memory = true;
       rtcReleaseGeometry(geometry);
       return;
     }
     std::memcpy(corners, vertices.data(), vertices.size() * sizeof(vertices[0]));
-    std::memcpy(indices, faces.data(), faces.size() * sizeof(faces[0]));
+    std::memcpy(indices, quads.data(), quads.size() * sizeof(quads[0]));
     attach(layer, id, mask, geometry);
   }
 };
@@ -234,7 +230,12 @@ void RayTracer::add_quads(Layer layer, std::uint32_t id, std::uint32_t mask,
 void RayTracer::add_triangles(Layer layer, std::uint32_t id, std::uint32_t mask,
                               const Vertices& vertices,
                               const std::vector<std::array<std::uint32_t, 3>>& triangles) {
-  embree_->add_mesh(layer, id, mask, vertices, triangles);
+  // As quadrilaterals without a second half: Embree keeps a tree for each kind of shape, and rays
+  // would have to go through one more.
+  std::vector<std::array<std::uint32_t, 4>> quads;
+  quads.reserve(triangles.size());
+  for (const auto& [a, b, c] : triangles) quads.push_back({a, b, c, c});
+  embree_->add_mesh(layer, id, mask, vertices, quads);
 }
 
 void RayTracer::add_rounds(Layer layer, std::uint32_t id, std::uint32_t mask,

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "tread/sim/ground_kernel.hpp"
 #include "tread/sim/ground_surface.hpp"
 #include "tread/sim/ray_tracer.hpp"
 #include "tread/sim/solid_set.hpp"
@@ -61,6 +62,8 @@ struct Scene::Parts {
                           const Eigen::Vector3d& o, const Eigen::Vector3d& d) const;
   [[nodiscard]] Spot foliage_spot(std::uint32_t part, const Eigen::Vector3d& o,
                                   const Eigen::Vector3d& d) const;
+  void load(const RayBatch& rays, int first, RayBlock& block) const;
+  void finish(const RayBatch& rays, int first, RayBlock& block, SurfaceBatch& points) const;
   void fill(const Spot& spot, const Eigen::Vector3d& o, const Eigen::Vector3d& d, float spread,
             SurfaceBatch& points, std::size_t i) const;
 };
@@ -180,18 +183,11 @@ Spot Scene::Parts::spot(std::uint32_t id, std::uint32_t part, double rough,
 void Scene::Parts::fill(const Spot& spot, const Eigen::Vector3d& o, const Eigen::Vector3d& d,
                         float spread, SurfaceBatch& points, std::size_t i) const {
   Eigen::Vector3d flat = spot.normal;
-  Eigen::Vector3f smooth = spot.normal.cast<float>();
   TexturePlace at{spot.point, sun};
-  float clear = 0.0F;
   switch (spot.kind) {
     case HitKind::kNothing:
-      return;
     case HitKind::kGround:
-      smooth = ground.smooth_normal(spot.point.head<2>(), spot.normal);
-      points.material[i] = ground.material(spot.point.head<2>());
-      // Smooth light on flat triangles: those just in front are no shadow.
-      clear = static_cast<float>(0.25 * world->ground.geometry.resolution_m);
-      break;
+      return;
     case HitKind::kFoliage:
       points.material[i] = foliage_material + spot.index;
       break;
@@ -207,7 +203,6 @@ void Scene::Parts::fill(const Spot& spot, const Eigen::Vector3d& o, const Eigen:
       at = texture_place(material.surface, sides, spot.point, spot.normal,
                          T.linear().transpose() * sun);
       flat = T.linear() * spot.normal;
-      smooth = flat.cast<float>();
       break;
     }
   }
@@ -220,22 +215,72 @@ void Scene::Parts::fill(const Spot& spot, const Eigen::Vector3d& o, const Eigen:
   points.sun_u[i] = static_cast<float>(at.sun.x());
   points.sun_v[i] = static_cast<float>(at.sun.y());
   points.sun_w[i] = static_cast<float>(at.sun.z());
-  points.footprint_m[i] =
-      spread * static_cast<float>(spot.distance / std::sqrt(std::max(std::abs(facing), 0.02)));
-  points.normal_x[i] = smooth.x();
-  points.normal_y[i] = smooth.y();
-  points.normal_z[i] = smooth.z();
+  points.footprint_m[i] = spread * static_cast<float>(spot.distance) /
+                          std::sqrt(std::max(static_cast<float>(std::abs(facing)), kGrazing));
+  points.normal_x[i] = static_cast<float>(flat.x());
+  points.normal_y[i] = static_cast<float>(flat.y());
+  points.normal_z[i] = static_cast<float>(flat.z());
   // Off the surface, on the side it is seen from, by more than single precision may be wrong.
   // Leaves are lit from either side.
   const bool leaf = spot.kind == HitKind::kFoliage;
   const bool turned = leaf ? flat.dot(sun) < 0.0 : facing < 0.0;
-  const double off = (2e-4 + 2e-6 * point.norm()) * (turned ? -1.0 : 1.0);
+  const double off = (static_cast<double>(kOffM) + static_cast<double>(kOffShare) * point.norm()) *
+                     (turned ? -1.0 : 1.0);
   for (int axis = 0; axis < 3; ++axis) {
     points.from[static_cast<std::size_t>(axis)][i] =
         static_cast<float>(point(axis) + off * flat(axis));
   }
-  points.clear_m[i] = clear;
+  points.clear_m[i] = 0.0F;
   points.through[i] = leaf ? 0.5F : 0.0F;
+}
+
+void Scene::Parts::load(const RayBatch& rays, int first, RayBlock& block) const {
+  const auto from = static_cast<std::size_t>(first);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double middle = centre(static_cast<Eigen::Index>(axis));
+    for (std::size_t i = 0; i < RayBlock::kRays; ++i) {
+      block.origin[axis][i] = static_cast<float>(rays.origin[axis][from + i] - middle);
+      block.direction[axis][i] = static_cast<float>(rays.direction[axis][from + i]);
+    }
+  }
+  for (std::size_t i = 0; i < RayBlock::kRays; ++i) {
+    block.on[i] = rays.spread_rad[from + i] >= 0.0F ? -1 : 0;
+  }
+  block.nearest.fill(0.0F);
+  block.distance.fill(kFarthest);
+}
+
+// What a block of rays met: ground all at once, all else one by one.
+void Scene::Parts::finish(const RayBatch& rays, int first, RayBlock& block,
+                          SurfaceBatch& points) const {
+  int on_ground = 0;
+  for (std::size_t i = 0; i < RayBlock::kRays; ++i) {
+    if (block.on[i] == 0) block.id[i] = RayBlock::kMissed;
+    on_ground += block.id[i] == kGroundId ? 1 : 0;
+  }
+  if (on_ground > 0) {
+    RayBlock::Row<std::uint32_t> square;
+    for (std::size_t i = 0; i < RayBlock::kRays; ++i) {
+      square[i] = block.id[i] == kGroundId ? block.part[i] : 0U;
+    }
+    meet_ground(ground.view(), rays, centre, sun, first, square.data(), block.distance.data(),
+                points);
+  }
+  if (on_ground == RayBlock::kRays) return;
+  for (std::size_t i = 0; i < RayBlock::kRays; ++i) {
+    if (block.id[i] == kGroundId) continue;
+    const std::size_t at = static_cast<std::size_t>(first) + i;
+    points.distance_m[at] = std::numeric_limits<double>::quiet_NaN();
+    points.material[at] = -1;
+    points.normal_x[at] = points.normal_y[at] = points.normal_z[at] = 0.0F;
+    points.through[at] = 0.0F;
+    if (block.id[i] == RayBlock::kMissed) continue;
+    const Eigen::Vector3d o =
+        Eigen::Vector3d(rays.origin[0][at], rays.origin[1][at], rays.origin[2][at]) - centre;
+    const Eigen::Vector3d d(rays.direction[0][at], rays.direction[1][at], rays.direction[2][at]);
+    const double rough = static_cast<double>(block.distance[i]);
+    fill(spot(block.id[i], block.part[i], rough, o, d), o, d, rays.spread_rad[at], points, at);
+  }
 }
 
 Scene::Scene(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
@@ -310,32 +355,9 @@ void Scene::cast(const RayBatch& rays, SurfaceBatch& points) const {
   points.count = rays.count;
   for (int first = 0; first < rays.count; first += RayBlock::kRays) {
     RayBlock block;
-    for (std::size_t i = 0; i < RayBlock::kRays; ++i) {
-      const std::size_t at = static_cast<std::size_t>(first) + i;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        block.origin[axis][i] = static_cast<float>(rays.origin[axis][at] -
-                                                   parts_->centre(static_cast<Eigen::Index>(axis)));
-        block.direction[axis][i] = static_cast<float>(rays.direction[axis][at]);
-      }
-      block.nearest[i] = 0.0F;
-      block.distance[i] = kFarthest;
-      block.on[i] = rays.spread_rad[at] >= 0.0F ? -1 : 0;
-    }
+    parts_->load(rays, first, block);
     parts_->tracer.cast(block, kBears | kFoliage);
-    for (std::size_t i = 0; i < RayBlock::kRays; ++i) {
-      const std::size_t at = static_cast<std::size_t>(first) + i;
-      points.distance_m[at] = std::numeric_limits<double>::quiet_NaN();
-      points.material[at] = -1;
-      points.normal_x[at] = points.normal_y[at] = points.normal_z[at] = 0.0F;
-      if (block.on[i] == 0 || block.id[i] == RayBlock::kMissed) continue;
-      const Eigen::Vector3d o =
-          Eigen::Vector3d(rays.origin[0][at], rays.origin[1][at], rays.origin[2][at]) -
-          parts_->centre;
-      const Eigen::Vector3d d(rays.direction[0][at], rays.direction[1][at], rays.direction[2][at]);
-      const Spot spot =
-          parts_->spot(block.id[i], block.part[i], static_cast<double>(block.distance[i]), o, d);
-      parts_->fill(spot, o, d, rays.spread_rad[at], points, at);
-    }
+    parts_->finish(rays, first, block, points);
   }
 }
 
@@ -347,7 +369,11 @@ void Scene::light(const SurfaceBatch& points, SurfaceBatch::Row<float>& lit) con
     for (std::size_t i = 0; i < RayBlock::kRays; ++i) {
       const std::size_t at = static_cast<std::size_t>(first) + i;
       lit[at] = 0.0F;
-      const bool seen = points.material[at] >= 0 && !sun.isZero(0.0F);
+      // What is turned away from the sun needs no shadow to be dark.
+      const float facing = points.normal_x[at] * sun.x() + points.normal_y[at] * sun.y() +
+                           points.normal_z[at] * sun.z();
+      const bool seen = points.material[at] >= 0 && (facing > 0.0F || points.through[at] > 0.0F) &&
+                        !sun.isZero(0.0F);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         block.origin[axis][i] = seen ? points.from[axis][at] : 0.0F;
         block.direction[axis][i] = sun(static_cast<Eigen::Index>(axis));

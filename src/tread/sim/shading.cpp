@@ -66,6 +66,15 @@ class Textures {
   }
   void look(const Material& material, std::int32_t index, int first) {
     seen_[static_cast<std::size_t>(kinds_++)] = index;
+    if (first == 0 &&
+        std::all_of(points_.material.begin(), points_.material.begin() + points_.count,
+                    [index](std::int32_t other) { return other == index; })) {
+      texture(material.surface, material.contrast, material.seed,
+              {points_.count, points_.u.data(), points_.v.data(), points_.w.data(),
+               points_.sun_u.data(), points_.sun_v.data(), points_.sun_w.data(),
+               points_.footprint_m.data(), value.data(), hue.data(), relief.data()});
+      return;
+    }
     std::array<std::uint16_t, RayBatch::kMost> from;
     int count = 0;
     for (int i = first; i < points_.count; ++i) {
@@ -131,28 +140,34 @@ class Channel {
   }
   void run(const RayBatch& rays, const SurfaceBatch& points, const Textures& textures,
            const Row& sunlit, const Row& clouds, Row& out) const {
+    const auto count = static_cast<std::size_t>(points.count);
+    std::array<Row, 6> answers;
     std::int32_t last = -1;
     Answer answer{};
-    for (std::size_t i = 0; i < static_cast<std::size_t>(points.count); ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
       const std::int32_t material = points.material[i];
-      if (material < 0) {
-        const auto up = static_cast<float>(rays.direction[2][i]);
-        out[i] = rays.spread_rad[i] >= 0.0F ? far_away(up, clouds[i]) : 0.0F;
-        continue;
-      }
       if (material != last) {
-        answer = answer_of(scene_.materials()[static_cast<std::size_t>(material)], lights_, index_);
+        answer = material >= 0 ? answer_of(scene_.materials()[static_cast<std::size_t>(material)],
+                                           lights_, index_)
+                               : Answer{};
         last = material;
       }
-      const float up = 0.5F + 0.5F * points.normal_z[i];
-      const float hue = textures.hue[i];
-      const auto from = [&](std::size_t light) {
-        return answer.mean[light] + hue * answer.by_hue[light];
-      };
-      const float light =
-          textures.value[i] * (sunlit[i] * from(0) + up * from(1) + (1.0F - up) * from(2));
+      for (std::size_t light = 0; light < 3; ++light) {
+        answers[light][i] = answer.mean[light];
+        answers[3 + light][i] = answer.by_hue[light];
+      }
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const float up = 0.5F + 0.5F * points.normal_z[i], hue = textures.hue[i];
+      const float light = textures.value[i] * (sunlit[i] * (answers[0][i] + hue * answers[3][i]) +
+                                               up * (answers[1][i] + hue * answers[4][i]) +
+                                               (1.0F - up) * (answers[2][i] + hue * answers[5][i]));
       const auto way = static_cast<float>(points.distance_m[i]);
       out[i] = light + (horizon_ - light) * way / (way + kHazeM);
+    }
+    if (std::find(points.material.begin(), points.material.begin() + points.count, -1) !=
+        points.material.begin() + points.count) {
+      add_sky(rays, points, clouds, out);
     }
   }
 
@@ -166,6 +181,14 @@ class Channel {
     }
     const float clear = horizon_ + up / (up + 0.35F) * 1.35F * (zenith_ - horizon_);
     return clear + cloud * (cloud_ - clear);
+  }
+  void add_sky(const RayBatch& rays, const SurfaceBatch& points, const Row& clouds,
+               Row& out) const {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(points.count); ++i) {
+      if (points.material[i] >= 0) continue;
+      const auto up = static_cast<float>(rays.direction[2][i]);
+      out[i] = rays.spread_rad[i] >= 0.0F ? far_away(up, clouds[i]) : 0.0F;
+    }
   }
   [[nodiscard]] float of(const Colour& c) const { return index_ < 0 ? grey_of(c) : c(index_); }
 

@@ -17,20 +17,22 @@ namespace tread::HWY_NAMESPACE {
 namespace {
 
 constexpr int kN = kTextureBlock;
+constexpr float kLeastPixelM = 1e-5F;  // nothing is finer
 using Lanes = float[kN];
 
 // Sixteen points and what has been summed up for them.
 struct Block {
   alignas(64) Lanes u, v, w, sun_u, sun_v, sun_w;
   alignas(64) Lanes pixel;  // footprint
+  alignas(64) Lanes sharp;  // 1 / (1.2 footprint)
   alignas(64) Lanes sum, hue, relief;
-  float finest = 0.0F;  // the least footprint: finer octaves none of them sees
+  float sharpest = 0.0F;  // of all: finer octaves none of them sees
   std::uint32_t seed = 0;
 };
 
 // A lattice step that is seen through a pixel: not at all below 1.2 pixels, in full from 2.4.
-HWY_INLINE float seen(float step, float pixel) {
-  return clamped(step / (1.2F * pixel) - 1.0F);
+HWY_INLINE float seen(float step, float sharp) {
+  return clamped(step * sharp - 1.0F);
 }
 HWY_INLINE float within(float x, float low, float high) {
   return low + (high - low) * clamped((x - low) / (high - low));
@@ -56,14 +58,14 @@ struct Octaves {
 HWY_INLINE void add_flat_step(Block& b, float fu, float fv, float height, std::uint32_t seed) {
   const float step = 1.0F / fv;
   for (int i = 0; i < kN; ++i) {
-    b.sum[i] += seen(step, b.pixel[i]) * height * gradient_noise(b.u[i] * fu, b.v[i] * fv, seed);
+    b.sum[i] += seen(step, b.sharp[i]) * height * gradient_noise(b.u[i] * fu, b.v[i] * fv, seed);
   }
 }
 HWY_INLINE void add_flat_relief(Block& b, float fu, float fv, float height, float relief,
                                 std::uint32_t seed) {
   const float step = 1.0F / fv;
   for (int i = 0; i < kN; ++i) {
-    const float u = b.u[i] * fu, v = b.v[i] * fv, share = seen(step, b.pixel[i]) * height;
+    const float u = b.u[i] * fu, v = b.v[i] * fv, share = seen(step, b.sharp[i]) * height;
     const float here = gradient_noise(u, v, seed);
     const float there = gradient_noise(u + kAhead * b.sun_u[i], v + kAhead * b.sun_v[i], seed);
     b.sum[i] += share * here;
@@ -74,7 +76,7 @@ HWY_INLINE void add_flat_relief(Block& b, float fu, float fv, float height, floa
 void add_flat(Block& b, const Octaves& o) {
   float height = o.height;
   std::uint32_t seed = b.seed ^ hash_mix(o.salt);
-  for (float step = o.coarse; step >= o.fine && seen(step, b.finest) > 0.0F;
+  for (float step = o.coarse; step >= o.fine && seen(step, b.sharpest) > 0.0F;
        step *= 0.5F, height *= o.gain, seed += kHashStepZ) {
     const float fv = 1.0F / step, fu = fv / o.stretch;
     if (o.relief > 0.0F) {
@@ -89,7 +91,7 @@ HWY_INLINE void add_solid_step(Block& b, float f, float fw, float height, std::u
   const float step = 1.0F / f;
   for (int i = 0; i < kN; ++i) {
     b.sum[i] +=
-        seen(step, b.pixel[i]) * height * gradient_noise(b.u[i] * f, b.v[i] * f, b.w[i] * fw, seed);
+        seen(step, b.sharp[i]) * height * gradient_noise(b.u[i] * f, b.v[i] * f, b.w[i] * fw, seed);
   }
 }
 HWY_INLINE void add_solid_relief(Block& b, float f, float fw, float height, float relief,
@@ -97,7 +99,7 @@ HWY_INLINE void add_solid_relief(Block& b, float f, float fw, float height, floa
   const float step = 1.0F / f;
   for (int i = 0; i < kN; ++i) {
     const float u = b.u[i] * f, v = b.v[i] * f, w = b.w[i] * fw;
-    const float share = seen(step, b.pixel[i]) * height;
+    const float share = seen(step, b.sharp[i]) * height;
     const float here = gradient_noise(u, v, w, seed);
     const float there = gradient_noise(u + kAhead * b.sun_u[i], v + kAhead * b.sun_v[i],
                                        w + kAhead * b.sun_w[i], seed);
@@ -109,7 +111,7 @@ HWY_INLINE void add_solid_relief(Block& b, float f, float fw, float height, floa
 void add_solid(Block& b, const Octaves& o) {
   float height = o.height;
   std::uint32_t seed = b.seed ^ hash_mix(o.salt);
-  for (float step = o.coarse; step >= o.fine && seen(step, b.finest) > 0.0F;
+  for (float step = o.coarse; step >= o.fine && seen(step, b.sharpest) > 0.0F;
        step *= 0.5F, height *= o.gain, seed += kHashStepZ) {
     const float f = 1.0F / step, fw = f / o.stretch;
     if (o.relief > 0.0F) {
@@ -126,7 +128,7 @@ void add_hue(Block& b, float step, float height, std::uint32_t salt) {
   const float f = 1.0F / step;
   for (int i = 0; i < kN; ++i) {
     b.hue[i] +=
-        height * seen(step, b.pixel[i]) * gradient_noise(b.u[i] * f, b.v[i] * f, b.w[i] * f, seed);
+        height * seen(step, b.sharp[i]) * gradient_noise(b.u[i] * f, b.v[i] * f, b.w[i] * f, seed);
   }
 }
 
@@ -136,10 +138,10 @@ void soil(Block& b) {
   add_flat(b, {0.064F, 0.002F, 0.30F, 0.95F, 1.6F, 2});
   add_hue(b, 0.6F, 1.6F, 3);
   for (const float step : {0.045F, 0.016F}) {
-    if (seen(step, b.finest) <= 0.0F) continue;
+    if (seen(step, b.sharpest) <= 0.0F) continue;
     for (int i = 0; i < kN; ++i) {
       const Cellular clod = cellular(b.u[i] / step, b.v[i] / step, b.seed + 77U);
-      const float share = seen(step, b.pixel[i]);
+      const float share = seen(step, b.sharp[i]);
       const float round = 0.55F - clod.nearest;  // a dome
       b.sum[i] += share * 0.35F * (round - 0.35F);
       b.relief[i] += share * 0.5F * (clod.dx * b.sun_u[i] + clod.dy * b.sun_v[i]);
@@ -154,11 +156,11 @@ void gravel(Block& b) {
   std::uint32_t seed = b.seed;
   for (const float step : {0.048F, 0.021F, 0.009F}) {
     seed += kHashStepZ;
-    if (seen(step, b.finest) <= 0.0F) break;
+    if (seen(step, b.sharpest) <= 0.0F) break;
     const float f = 1.0F / step;
     for (int i = 0; i < kN; ++i) {
       const Cellular stone = cellular(b.u[i] * f, b.v[i] * f, seed);
-      const float share = seen(step, b.pixel[i]) * (1.0F - cover[i]);
+      const float share = seen(step, b.sharp[i]) * (1.0F - cover[i]);
       // Squared distances differ in proportion to how far the gap is.
       const float edge = smooth_step(0.02F, 0.16F + b.pixel[i] * f, stone.second - stone.nearest);
       const std::uint32_t h = hash_mix(stone.stone);
@@ -187,7 +189,7 @@ void sand(Block& b) {
     const float bend = 0.7F * fbm(b.u[i] * 1.4F, b.v[i] * 1.4F, 2, 0.5F, seed + 1U);
     const float along = (0.92F * b.u[i] + 0.39F * b.v[i]) * (1.0F / 0.11F) + 2.2F * bend +
                         0.8F * gradient_noise(b.u[i] * 5.0F, b.v[i] * 5.0F, seed + 2U);
-    const float share = seen(0.055F, b.pixel[i]) *
+    const float share = seen(0.055F, b.sharp[i]) *
                         (0.55F + gradient_noise(b.u[i] * 0.9F, b.v[i] * 0.9F, seed + 3U));
     const float here = wave(along),
                 there = wave(along + 0.12F * (0.92F * b.sun_u[i] + 0.39F * b.sun_v[i]));
@@ -210,20 +212,20 @@ void grass(Block& b) {
   for (int layer = 0; layer < 8; ++layer) {
     seed += kHashStepZ;
     const float width = layer < 4 ? kThin : kWide, length = 6.0F * width;
-    if (seen(width, b.finest) <= 0.0F) continue;
+    if (seen(width, b.sharpest) <= 0.0F) continue;
     const float c = kTurns[layer % 4][0], s = kTurns[layer % 4][1];
     for (int i = 0; i < kN; ++i) {
       const float along = (c * b.u[i] + s * b.v[i]) / length;
       const float across = (c * b.v[i] - s * b.u[i]) / width;
       const float high = gradient_noise(along, across, seed);
       // Those that are too thin to be seen are not on top.
-      const float share = layer < 4 ? seen(width, b.pixel[i]) : 1.0F;
+      const float share = layer < 4 ? seen(width, b.sharp[i]) : 1.0F;
       top[i] = larger_of(top[i], share * (high + 0.4F) - 0.4F);
     }
   }
   for (int i = 0; i < kN; ++i) {
-    const float mean = kTopOfWide + seen(kThin, b.pixel[i]) * (kTopOfAll - kTopOfWide);
-    const float over = seen(kWide, b.pixel[i]) * (top[i] - mean);
+    const float mean = kTopOfWide + seen(kThin, b.sharp[i]) * (kTopOfAll - kTopOfWide);
+    const float over = seen(kWide, b.sharp[i]) * (top[i] - mean);
     b.sum[i] += 1.35F * over;
     b.hue[i] += 1.3F * over;
   }
@@ -239,14 +241,14 @@ void concrete(Block& b) {
   add_solid(b, {0.02F, 0.002F, 0.21F, 0.92F, 0.4F, 14});
   add_hue(b, 0.8F, 2.0F, 15);
   constexpr float kStep = 0.035F;
-  if (seen(0.5F * kStep, b.finest) <= 0.0F) return;
+  if (seen(0.5F * kStep, b.sharpest) <= 0.0F) return;
   for (int i = 0; i < kN; ++i) {
     const Cellular pore = cellular((b.u[i] + 0.31F * b.w[i]) / kStep,
                                    (b.v[i] + 0.73F * b.w[i]) / kStep, b.seed + 16U);
     const float size = unit(hash_mix(pore.stone));
     const float dark =
         1.0F - smooth_step(0.3F, 1.0F, pore.nearest / (0.012F * size * size + 1e-4F));
-    b.sum[i] -= 0.45F * seen(0.5F * kStep, b.pixel[i]) * dark;
+    b.sum[i] -= 0.45F * seen(0.5F * kStep, b.sharp[i]) * dark;
   }
 }
 
@@ -262,7 +264,7 @@ void planks(Block& b) {
     const float u = b.u[i] + 37.0F * unit(h), v = b.v[i] + 0.3F * unit(h * kHashStepX);
     const float bend = gradient_noise(u * 1.1F, v * 9.0F, b.seed + 17U);
     const float rings = wave(v * 38.0F + 2.6F * bend);
-    b.sum[i] += 0.30F * signed_unit(h) + 0.10F * seen(0.013F, b.pixel[i]) * rings;
+    b.sum[i] += 0.30F * signed_unit(h) + 0.10F * seen(0.013F, b.sharp[i]) * rings;
     b.hue[i] += 0.8F * signed_unit(h * kHashStepY);
     // The gap, as much as the pixel sees of it.
     const float to_gap = kWidth * (0.5F - magnitude(in));
@@ -284,7 +286,7 @@ void rock(Block& b) {
   const std::uint32_t seed = b.seed + 23U;
   constexpr float kWidth = 0.035F;
   for (const float step : {0.4F, 0.11F}) {
-    if (seen(0.3F * step, b.finest) <= 0.0F) continue;
+    if (seen(0.3F * step, b.sharpest) <= 0.0F) continue;
     const float f = 1.0F / step;
     for (int i = 0; i < kN; ++i) {
       // Bent by finer noise, which makes it jagged.
@@ -294,7 +296,7 @@ void rock(Block& b) {
       // As wide as a pixel at least, and then as much fainter.
       const float width = kWidth + b.pixel[i] * f;
       const float crack = 1.0F - smooth_step(0.0F, width, magnitude(n));
-      b.sum[i] += seen(0.3F * step, b.pixel[i]) * (0.03F - 0.36F * kWidth / width * crack);
+      b.sum[i] += seen(0.3F * step, b.sharp[i]) * (0.03F - 0.36F * kWidth / width * crack);
     }
   }
 }
@@ -303,12 +305,12 @@ void rock(Block& b) {
 void bark(Block& b) {
   const std::uint32_t seed = b.seed + 24U;
   for (const float step : {0.07F, 0.03F}) {
-    if (seen(0.5F * step, b.finest) <= 0.0F) continue;
+    if (seen(0.5F * step, b.sharpest) <= 0.0F) continue;
     const float f = 1.0F / step, fw = 0.16F * f;
     for (int i = 0; i < kN; ++i) {
       const float n = gradient_noise(b.u[i] * f, b.v[i] * f, b.w[i] * fw, seed);
       const float furrow = 1.0F - smooth_step(0.0F, 0.22F, magnitude(n));
-      b.sum[i] += 0.5F * seen(0.5F * step, b.pixel[i]) * (0.42F - furrow);
+      b.sum[i] += 0.5F * seen(0.5F * step, b.sharp[i]) * (0.42F - furrow);
     }
   }
   add_solid(b, {0.09F, 0.002F, 0.30F, 0.95F, 1.0F, 25, 4.0F});
@@ -367,7 +369,7 @@ void texture_here(Surface surface, float contrast, std::uint32_t seed, const Tex
   Block b;
   b.seed = hash_mix(seed + 0x51ED270BU);
   for (int first = 0; first < rows.count; first += kN) {
-    b.finest = rows.footprint_m[first];
+    b.sharpest = 0.0F;
     for (int i = 0; i < kN; ++i) {
       b.u[i] = rows.u[first + i];
       b.v[i] = rows.v[first + i];
@@ -375,8 +377,9 @@ void texture_here(Surface surface, float contrast, std::uint32_t seed, const Tex
       b.sun_u[i] = rows.sun_u[first + i];
       b.sun_v[i] = rows.sun_v[first + i];
       b.sun_w[i] = rows.sun_w[first + i];
-      b.pixel[i] = rows.footprint_m[first + i];
-      b.finest = std::min(b.finest, b.pixel[i]);
+      b.pixel[i] = std::max(rows.footprint_m[first + i], kLeastPixelM);
+      b.sharp[i] = 1.0F / (1.2F * b.pixel[i]);
+      b.sharpest = std::max(b.sharpest, b.sharp[i]);
       b.sum[i] = b.hue[i] = b.relief[i] = 0.0F;
     }
     look(surface, b);
