@@ -14,6 +14,7 @@
 #include "tread/io/image_file.hpp"
 #include "tread/pipeline/rover_mapper.hpp"
 #include "tread/plan/planner.hpp"
+#include "tread/sim/course.hpp"
 
 namespace tread {
 namespace {
@@ -103,6 +104,26 @@ std::string anchor_of(const std::string& heading) {
     }
   }
   return anchor;
+}
+
+// Every entry that docs/simulation.md tells of course files is one.
+TEST(Docs, TheCourseOfTheSimulationPageIsSound) {
+  std::ifstream file(std::string(TREAD_SOURCE_DIR) + "/docs/simulation.md");
+  std::string text, line;
+  bool inside = false;
+  while (std::getline(file, line)) {
+    if (line.starts_with("```")) {
+      if (inside) break;
+      inside = line == "```yaml";
+      continue;
+    }
+    if (inside && line.find("height_map:") == std::string::npos) text += line + "\n";
+  }
+  ASSERT_NE(text.find("tread_course"), std::string::npos);
+  const auto course = parse_course(text, "simulation.md");
+  ASSERT_TRUE(course) << course.error().message();
+  EXPECT_GT(course->world->solids.size(), 40U);
+  EXPECT_EQ(course->faults.size(), 3U);
 }
 
 TEST(Docs, LinksLeadToFilesAndHeadings) {

@@ -8,6 +8,7 @@
 #include "command.hpp"
 #include "interrupt.hpp"
 #include "map_report.hpp"
+#include "open_pairs.hpp"
 #include "tread/core/problems.hpp"
 #include "tread/io/atomic_file.hpp"
 #include "tread/io/image_file.hpp"
@@ -268,15 +269,15 @@ int run_map(const MapArguments& arguments) {
        {std::pair{"--start", &arguments.start}, std::pair{"--goal", &arguments.goal}}) {
     if (Status s = check_place(option, *place); !s) return print_error(s.error());
   }
+  MapRun run;
+  const Context context{arguments.common.threads, &run.timings};
   const auto source =
-      open_stereo_source(arguments.source, {arguments.rig, arguments.poses, settings.images});
+      open_pairs(arguments.source, {arguments.rig, arguments.poses, settings.images}, context);
   if (!source) return print_error(source.error());
   auto mapper = RoverMapper::make((*source)->rig(), settings.map);
   if (!mapper) return print_error(mapper.error());
   if (Status s = prepare_output(arguments.common); !s) return print_error(s.error());
 
-  MapRun run;
-  const Context context{arguments.common.threads, &run.timings};
   Output output(arguments.common.json);
   output.values["command"] = "map";
   output.line(fmt::format("{}: {}", (*source)->kind(),

@@ -391,7 +391,8 @@ void add_simulate_command(CLI::App& app, int& status, const std::string& command
       "  tread simulate my_course.yaml --set robot.heads=1 -o out/mine\n"
       "Writes a folder as EuRoC/ASL lays data out (mav0/: pairs of images, IMU, satellite fixes,\n"
       "wheels, bumper), the truth (truth/: poses, depth, height.tif, traversable.tif), and\n"
-      "report.html with pictures. 'tread slam', 'tread map' and 'tread info' read it.");
+      "report.html with pictures. 'tread slam', 'tread map' and 'tread info' read it; they also\n"
+      "take sim:COURSE in place of a folder.");
   command->callback([arguments, &status] { status = run_simulate(*arguments); });
 }
 

@@ -7,6 +7,7 @@
 
 #include "command.hpp"
 #include "interrupt.hpp"
+#include "open_pairs.hpp"
 #include "slam_report.hpp"
 #include "tread/core/problems.hpp"
 #include "tread/io/image_file.hpp"
@@ -208,6 +209,14 @@ Status write_results(const SlamArguments& arguments, const SlamOptions& options,
   return s ? output.commit(set) : s;
 }
 
+Result<DepthFrames> open_frames(const std::string& source, const DepthFramesOptions& options,
+                                const Context& context) {
+  if (!is_simulated(source)) return DepthFrames::open(source, options);
+  auto pairs = open_pairs(source, options.stereo_source, context);
+  if (!pairs) return forward(pairs);
+  return DepthFrames::from(std::move(*pairs), options);
+}
+
 int run_slam(const SlamArguments& arguments) {
   SlamSettings settings;
   if (arguments.profile == "paper-q") {
@@ -226,15 +235,15 @@ int run_slam(const SlamArguments& arguments) {
   reading.stereo_source = {arguments.rig, arguments.poses, settings.images};
   reading.stereo = settings.stereo;
   reading.depth = settings.depth;
-  auto frames = DepthFrames::open(arguments.source, reading);
+  SlamRun run;
+  const Context context{arguments.common.threads, &run.timings};
+  auto frames = open_frames(arguments.source, reading, context);
   if (!frames) return print_error(frames.error());
   settings.pipeline = fit_to_rig(*frames, settings.pipeline, &options);
   if (Status s = check_options(settings.pipeline); !s) return print_error(s.error());
   if (Status s = prepare_output(arguments.common); !s) return print_error(s.error());
 
-  SlamRun run;
   run.kind = frames->kind();
-  const Context context{arguments.common.threads, &run.timings};
   Output output(arguments.common.json);
   output.values["command"] = "slam";
   output.line(fmt::format("{}: {}", run.kind,
@@ -310,7 +319,7 @@ void add_slam_command(CLI::App& app, int& status, const std::string& command_lin
   command
       ->add_option("SOURCE", arguments->source,
                    "TUM RGB-D folder, folder of frame-NNNNNN.depth.png (7-Scenes, 3DMatch), or "
-                   "stereo images as for 'tread map'")
+                   "stereo images as for 'tread map', also sim:COURSE")
       ->type_name("")
       ->required();
   command

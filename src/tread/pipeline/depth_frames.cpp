@@ -15,9 +15,9 @@ constexpr double kSigmaDisparityPx = 0.25;
 
 Result<DepthFrames> DepthFrames::open(const std::filesystem::path& path,
                                       const DepthFramesOptions& options) {
-  DepthFrames frames;
-  frames.options_ = options;
   if (looks_like_rgbd(path)) {
+    DepthFrames frames;
+    frames.options_ = options;
     auto source = open_rgbd_source(path, options.rgbd);
     if (!source) return forward(source);
     frames.rgbd_ = std::move(*source);
@@ -26,7 +26,14 @@ Result<DepthFrames> DepthFrames::open(const std::filesystem::path& path,
   }
   auto source = open_stereo_source(path, options.stereo_source);
   if (!source) return forward(source);
-  frames.pairs_ = std::move(*source);
+  return from(std::move(*source), options);
+}
+
+Result<DepthFrames> DepthFrames::from(std::unique_ptr<StereoSource> pairs,
+                                      const DepthFramesOptions& options) {
+  DepthFrames frames;
+  frames.options_ = options;
+  frames.pairs_ = std::move(pairs);
   if (Status ok = frames.prepare_stereo(); !ok) return tl::unexpected(ok.error());
   return frames;
 }

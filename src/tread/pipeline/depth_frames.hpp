@@ -30,6 +30,9 @@ class DepthFrames {
  public:
   [[nodiscard]] static Result<DepthFrames> open(const std::filesystem::path& path,
                                                 const DepthFramesOptions& options);
+  // Depths of the pairs of a source that is open already.
+  [[nodiscard]] static Result<DepthFrames> from(std::unique_ptr<StereoSource> pairs,
+                                                const DepthFramesOptions& options);
 
   [[nodiscard]] const PinholeCamera& camera() const { return camera_; }
   // What is known of the depths by how they are measured. Only stereo says; else the sensor's.
