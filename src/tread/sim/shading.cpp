@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tread/sim/camera_view.hpp"
+#include "tread/sim/sky_kernel.hpp"
 #include "tread/sim/texture.hpp"
 #include "tread/sim/texture_kernel.hpp"
 

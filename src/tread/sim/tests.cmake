@@ -2,11 +2,13 @@
 set(here ${CMAKE_CURRENT_LIST_DIR})
 target_sources(tread_tests PRIVATE
   ${here}/body_sensors_test.cpp
+  ${here}/camera_shot_test.cpp
   ${here}/camera_view_test.cpp
   ${here}/carried_body_test.cpp
   ${here}/course_test.cpp
   ${here}/fault_test.cpp
   ${here}/gnss_sensor_test.cpp
+  ${here}/ground_kernel_test.cpp
   ${here}/hash_noise_test.cpp
   ${here}/image_sensor_test.cpp
   ${here}/imu_sensor_test.cpp
