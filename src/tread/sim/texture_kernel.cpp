@@ -333,7 +333,8 @@ void cloth(Block& b) {
 
 void skin(Block& b) {
   add_solid(b, {0.12F, 0.002F, 0.14F, 0.95F, 0.5F, 34});
-  add_hue(b, 0.04F, 2.5F, 35);
+  add_hue(b, 0.15F, 1.1F, 35);
+  add_hue(b, 0.05F, 0.7F, 36);
 }
 
 void look(Surface surface, Block& b) {
