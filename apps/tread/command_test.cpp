@@ -26,8 +26,8 @@ TEST(TreadHelp, EveryCommandShowsAnExample) {
 }
 
 TEST(TreadHelp, WrongUsageEndsWith2AndSaysWhatToDo) {
-  expect_refused("", {"no command", "depth, slam, map, plan, info", "--help"}, 2);
-  expect_refused("frob", {"'frob'", "depth, slam, map, plan, info"}, 2);
+  expect_refused("", {"no command", "depth, slam, map, plan, simulate, info", "--help"}, 2);
+  expect_refused("frob", {"'frob'", "depth, slam, map, plan, simulate, info"}, 2);
   expect_refused("mpa drive", {"Did you mean 'map'?"}, 2);
   expect_refused("depth", {"LEFT is required", "tread depth --help"}, 2);
   expect_refused("depth a b --treads 2", {"--treads", "Did you mean --threads?"}, 2);

@@ -61,6 +61,25 @@ TEST(Course, OneNameAndSeedIsOneWorld) {
   EXPECT_EQ(a.foliage[0].mesh.vertices, b.foliage[0].mesh.vertices);
 }
 
+// A course of a name and seed is the same world in every build: heights come through sums whose
+// last bits the processor decides, places and counts do not.
+TEST(Course, RoughIsTheWorldItHasAlwaysBeen) {
+  const auto course = find_course("rough");
+  ASSERT_TRUE(course) << course.error().message();
+  const World& world = *course->world;
+  EXPECT_NEAR(ground_height(world, {3.3, 1.7}), -0.0023875, 1e-5);
+  EXPECT_NEAR(ground_height(world, {10.2, -4.4}), 0.2851363, 1e-5);
+  EXPECT_NEAR(ground_height(world, {17.0, 0.5}), -0.0809440, 1e-5);
+  ASSERT_EQ(world.solids.size(), 100U);
+  const Solid& rock = world.solids[50];
+  EXPECT_NEAR(rock.T_world_solid.translation().x(), 8.5121320, 1e-6);
+  EXPECT_NEAR(rock.T_world_solid.translation().y(), -4.9487119, 1e-6);
+  EXPECT_NEAR(rock.half_m.x(), 0.2038781, 1e-6);
+  const auto grass = std::count(world.ground_surface.values.begin(),
+                                world.ground_surface.values.end(), std::uint8_t{1});
+  EXPECT_NEAR(static_cast<double>(grass), 59560.0, 5.0);
+}
+
 TEST(Course, MovingAnEntryDownTheFileChangesNothing) {
   const World a = made("ground: {relief: [{noise: {rms_m: 0.1}}]}\n"),
               b = made("\n# a remark\n\nground:\n  relief:\n    - noise: {rms_m: 0.1}\n");

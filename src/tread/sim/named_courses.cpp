@@ -25,7 +25,10 @@ std::optional<std::string_view> named_course_text(std::string_view name) {
 
 Result<Course> find_course(const std::string& file_or_name, std::optional<std::uint64_t> seed) {
   std::error_code ignored;
-  if (std::filesystem::exists(file_or_name, ignored)) return read_course(file_or_name, seed);
+  // A folder of that name is what an earlier run wrote.
+  const bool is_file = std::filesystem::exists(file_or_name, ignored) &&
+                       !std::filesystem::is_directory(file_or_name, ignored);
+  if (is_file) return read_course(file_or_name, seed);
   if (const auto text = named_course_text(file_or_name)) {
     return parse_course(std::string(*text), file_or_name + ".yaml", seed);
   }
