@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <ctime>
+#include <deque>
 #include <map>
 
 #include "command.hpp"
@@ -13,6 +14,7 @@
 #include "simulate_report.hpp"
 #include "tread/io/data_set_writer.hpp"
 #include "tread/io/image_file.hpp"
+#include "tread/io/recording_files.hpp"
 #include "tread/sim/named_courses.hpp"
 #include "tread/sim/route_driver.hpp"
 #include "tread/sim/simulated_robot.hpp"
@@ -25,7 +27,7 @@ namespace fs = std::filesystem;
 
 struct SimulateArguments {
   std::string course, robot = "rover", command_line;
-  std::optional<std::uint64_t> seed;
+  std::optional<std::int64_t> seed;
   std::optional<double> duration_s;
   bool carried = false, preview = false;
   CommonOptions common;
@@ -92,14 +94,21 @@ class Recording {
   [[nodiscard]] const Status& status() const { return status_; }
   [[nodiscard]] const std::map<std::string, std::int64_t>& counts() const { return counts_; }
 
-  void add_depth(const FrameTruth& truth) {
-    keep(writer_ == nullptr ? Status{}
-                            : writer_->add_depth(truth.head, truth.stamp_ns, truth.depth.view()));
+  // The depth of a frame that is on its way; it is written when that arrives.
+  void expect(const FrameTruth& truth) {
+    if (writer_ == nullptr) return;
+    depths_.push_back(truth);
+    if (depths_.size() > kMostExpected) depths_.pop_front();
   }
   void add(const SensorBatch& batch) {
     for (const HeadFrame& frame : batch.frames) {
       ++counts_[fmt::format("camera{}", frame.head)];
-      if (writer_ != nullptr) keep(writer_->add(frame.head, frame.frame));
+      if (writer_ == nullptr) continue;
+      keep(writer_->add(frame.head, frame.frame));
+      for (const FrameTruth& truth : depths_) {
+        if (truth.head != frame.head || truth.stamp_ns != frame.frame.stamp_ns) continue;
+        keep(writer_->add_depth(truth.head, truth.stamp_ns, truth.depth.view()));
+      }
     }
     add_all("imu", batch.imu);
     add_all("gnss", batch.gnss);
@@ -127,7 +136,9 @@ class Recording {
     }
   }
 
+  static constexpr std::size_t kMostExpected = 16;
   DataSetWriter* writer_;
+  std::deque<FrameTruth> depths_;
   const SimulatedRobot& robot_;
   std::int64_t epoch_ns_;
   Status status_;
@@ -165,6 +176,10 @@ Status go(const SimulateArguments& arguments, const SimulateSettings& settings,
   double end_s = arguments.duration_s.value_or(robot.duration_s() ? *robot.duration_s() + kAfter_s
                                                                   : settings.longest_s);
   RouteDriver driver(robot.world(), settings.drive);
+  if (!robot.duration_s() && driver.length_m() == 0.0 && !arguments.duration_s) {
+    return fail(ErrorCode::kBadValue, "the route has no length", robot.world().name,
+                "Give the course a route_m or a goal_m, or say how long to stand (--duration)");
+  }
   const bool drives = !robot.duration_s() && settings.robot.kind == RobotSetup::Kind::kRover;
   Progress progress("simulating", static_cast<int>(end_s), arguments.common.json);
   const Interrupt interrupt;
@@ -183,7 +198,11 @@ Status go(const SimulateArguments& arguments, const SimulateSettings& settings,
       if (Status s = robot.command({.drive = command}); !s) return s;
     }
     const auto batch = robot.advance(kStep_ns);
-    if (!batch) return forward(batch);
+    if (!batch) {
+      // What was simulated until then is kept.
+      run.problems.push_back(batch.error());
+      break;
+    }
     recording.add(*batch);
     if (!recording.status()) return recording.status();
     keep_pair(*batch, run);
@@ -199,7 +218,9 @@ Status go(const SimulateArguments& arguments, const SimulateSettings& settings,
     progress.show(static_cast<int>(now_s()));
   }
   run.duration_s = now_s();
-  if (!drives) {
+  if (!run.problems.empty()) {
+    run.end = fmt::format("Ended early, after {:.2f} m.", run.way_m);
+  } else if (!drives) {
     run.end = fmt::format("Carried {:.2f} m along the route.", run.way_m);
   } else {
     run.end = driver.arrived() ? "Arrived."
@@ -232,11 +253,10 @@ void describe_course(const Course& course, const SimulateSettings& settings, con
   run.world_seed = world.seed;
   run.height = true_height(world, map_geometry(world, settings.map_resolution_m));
   run.traversable = true_traversable(run.height, settings.traverse);
-  run.route = {world.start.position_m};
-  run.route.insert(run.route.end(), world.route_m.begin(), world.route_m.end());
+  run.route = way_of(world);
   for (const Fault& fault : course.faults) {
-    run.faults.push_back(fmt::format("{} {} from {} to {} s", fault.sensor, name_of(fault.kind),
-                                     fault.from_s, fault.until_s));
+    run.faults.push_back(fmt::format("{} {} from {} to {} s, if this robot has one", fault.sensor,
+                                     name_of(fault.kind), fault.from_s, fault.until_s));
   }
 }
 
@@ -294,7 +314,7 @@ Status simulate(const SimulateArguments& arguments, const SimulateSettings& sett
   const double middle_s =
       0.5 * arguments.duration_s.value_or((*robot)->duration_s().value_or(20.0));
   (*robot)->on_frame([&](FrameTruth&& truth) {
-    if (settings.depth) recording.add_depth(truth);
+    if (settings.depth) recording.expect(truth);
     if (truth.head == 0 && 1e-9 * static_cast<double>((*robot)->time_ns()) < middle_s) {
       run.depth = std::move(truth.depth);
       run.depth_stamp_ns = truth.stamp_ns;
@@ -322,11 +342,23 @@ int run_simulate(const SimulateArguments& arguments) {
     return print_error(
         {ErrorCode::kBadValue, "a run needs some time", "--duration", "Give seconds, above 0"});
   }
+  if (arguments.seed && *arguments.seed < 0) {
+    return print_error(
+        {ErrorCode::kBadValue, "seeds are not negative", "--seed", "Give 0 or more"});
+  }
+  if (arguments.preview) {
+    if (!arguments.common.output || is_recording(*arguments.common.output)) {
+      return print_error({ErrorCode::kBadArgument,
+                          arguments.common.output ? "there is a recording, whose report would go"
+                                                  : "pictures need a folder",
+                          "--preview", "Give a folder for them (-o DIR)"});
+    }
+  }
   const auto course = find_course(arguments.course, arguments.seed);
   if (!course) return print_error(course.error());
   SimulateRun run;
-  run.robot = arguments.robot;
-  run.sensor_seed = arguments.seed.value_or(1);
+  run.robot = settings.robot.kind == RobotSetup::Kind::kRover ? "rover" : "walker";
+  run.sensor_seed = static_cast<std::uint64_t>(arguments.seed.value_or(1));
   const Context context{arguments.common.threads, &run.timings};
   Output output(arguments.common.json);
   output.values["command"] = "simulate";

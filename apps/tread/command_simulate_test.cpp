@@ -83,6 +83,22 @@ TEST(TreadSimulate, TheWalkerIsCarriedWithItsGait) {
   EXPECT_GT(ran.json().at("samples").at("head").get<int>(), 100);
 }
 
+// The rover drives off the edge of the world: what it saw until then is a recording.
+TEST(TreadSimulate, WhatWasSimulatedBeforeAnErrorIsKept) {
+  const ScratchFolder scratch;
+  put(scratch / "edge.yaml",
+      "tread_course: 1\nsize_m: [4, 4]\nroute_m: [[1.9, 0]]\n"
+      "start: {at_m: [0.5, 0]}\nground: {relief: [{ramp: {from_m: [1, 0], to_m: [2, 0], width_m: "
+      "9, "
+      "rise_m: -2}}]}\n");
+  const Ran ran = tread("simulate " + (scratch / "edge.yaml").string() + kSmall +
+                        " --duration 12 -o " + out(scratch));
+  EXPECT_EQ(ran.status, 1) << ran.out;
+  EXPECT_NE(ran.err.find("edge"), std::string::npos) << ran.err;
+  EXPECT_TRUE(fs::exists(scratch.path() / "out" / "recording.yaml"));
+  EXPECT_TRUE(fs::exists(scratch.path() / "out" / "report.html"));
+}
+
 TEST(TreadSimulate, PreviewDrawsACourseOfTheProgram) {
   const ScratchFolder scratch;
   const Ran ran = tread("simulate stairs --preview -o " + out(scratch));
@@ -109,6 +125,9 @@ TEST(TreadSimulate, RefusesWhatCannotBe) {
   put(scratch / "full" / "mine.txt", "not a recording");
   expect_refused("simulate flat --duration 0.1 -o " + (scratch / "full").string(), {"full"});
   expect_refused("slam sim:nowhere", {"nowhere"});
+  expect_refused("simulate flat --seed -1", {"--seed"});
+  expect_refused("simulate flat --preview", {"--preview"});
+  expect_refused("simulate flat --robot walker --set robot.head_tilt_rad=1.4", {"head_tilt_rad"});
   expect_refused("simulate flat --robot tank", {"rover"}, 2);
 }
 

@@ -17,11 +17,10 @@ constexpr double kStep_m = 0.02;  // of the way, on which it is laid out
 
 // Places every kStep_m along straight lines between the places of a route.
 std::vector<Vector2d> lay_out(const World& world) {
-  std::vector<Vector2d> way{world.start.position_m};
-  std::vector<Vector2d> route = world.route_m;
-  if (route.empty()) route.push_back(world.goal_m);
-  for (const Vector2d& to : route) {
-    const Vector2d from = way.back();
+  const std::vector<Vector2d> route = way_of(world);
+  std::vector<Vector2d> way{route.front()};
+  for (std::size_t i = 1; i < route.size(); ++i) {
+    const Vector2d from = way.back(), to = route[i];
     const double length = (to - from).norm();
     for (double s = kStep_m; s <= length; s += kStep_m)
       way.push_back(from + s / length * (to - from));

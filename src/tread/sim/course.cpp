@@ -58,27 +58,29 @@ Status read_start(const Field& field, World& world) {
   return fields.done();
 }
 
+}  // namespace
+
+std::string extent_text(const World& world) {
+  const GridGeometry& g = world.ground.geometry;
+  const Eigen::Vector2d low = g.centre({0, 0}), high = g.centre({g.columns - 1, g.rows - 1});
+  return fmt::format("The ground is from [{:.6g}, {:.6g}] to [{:.6g}, {:.6g}]", low.x(), low.y(),
+                     high.x(), high.y());
+}
+
+namespace {
+
 void check_places(CourseFields& fields, const World& world) {
   const auto outside = [&](const Eigen::Vector2d& p) {
     return std::isnan(ground_height(world, p));
   };
   const auto refuse = [&](const char* key) {
-    const GridGeometry& g = world.ground.geometry;
-    const Eigen::Vector2d low = g.centre({0, 0}), high = g.centre({g.columns - 1, g.rows - 1});
-    fields.refuse(key, ErrorCode::kBadValue, "it is off the ground",
-                  fmt::format("The ground is from [{:.6g}, {:.6g}] to [{:.6g}, {:.6g}]", low.x(),
-                              low.y(), high.x(), high.y()));
+    fields.refuse(key, ErrorCode::kBadValue, "it is off the ground", extent_text(world));
   };
   if (outside(world.start.position_m)) refuse("start");
   for (const Eigen::Vector2d& p : world.route_m) {
     if (outside(p)) refuse("route_m");
   }
   if (outside(world.goal_m)) refuse("goal_m");
-  for (const Person& person : world.people) {
-    for (const Eigen::Vector2d& p : person.path_m) {
-      if (outside(p)) refuse("objects");
-    }
-  }
 }
 
 Status read_objects(const Field& field, CourseBuilder& builder) {
@@ -97,7 +99,7 @@ Status read_objects(const Field& field, CourseBuilder& builder) {
 }
 
 Status read_faults(const Field& field, std::vector<Fault>& faults) {
-  constexpr int kMostHeads = 8;
+  constexpr int kMostHeads = 2;
   const auto items = field.items();
   if (!items) return forward(items);
   for (const Field& item : *items) {
@@ -176,10 +178,7 @@ bool CourseBuilder::is_free(const Eigen::Vector2d& middle, double radius_m) cons
 }
 
 double CourseBuilder::from_route(const Eigen::Vector2d& place) const {
-  std::vector<Eigen::Vector2d> way{world.start.position_m};
-  way.insert(way.end(), world.route_m.begin(), world.route_m.end());
-  way.push_back(world.goal_m);
-  return nearest_on_line(way, place).distance_m;
+  return nearest_on_line(way_of(world), place).distance_m;
 }
 
 double CourseBuilder::height(const Eigen::Vector2d& place) const {

@@ -32,6 +32,9 @@ struct CourseBuilder {
   [[nodiscard]] double height(const Eigen::Vector2d& place) const;
 };
 
+// Where the ground is, for messages.
+[[nodiscard]] std::string extent_text(const World& world);
+
 // A box upright on the ground, its top `size.z` above the ground at its middle (or `lift_m` more,
 // and then it does not reach down): its foot goes as far down as the ground around it.
 struct BoxSpec {

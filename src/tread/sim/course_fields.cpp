@@ -78,8 +78,8 @@ Eigen::Vector2d CourseFields::place(const char* key, const Eigen::Vector2d& othe
   if (!values) return otherwise;
   const Eigen::Vector2d place((*values)[0], (*values)[1]);
   if (place.cwiseAbs().maxCoeff() > kFarthest_m) {
-    refuse(key, ErrorCode::kBadValue, "too far away",
-           fmt::format("Places are within {} m", kFarthest_m));
+    refuse(key, ErrorCode::kBadValue, "beyond what a course can be",
+           fmt::format("Write numbers within {} m", kFarthest_m));
     return otherwise;
   }
   return place;
@@ -149,8 +149,10 @@ std::size_t CourseFields::choice(const char* key, const std::vector<std::string>
   if (!word) return otherwise;
   const auto found = std::find(words.begin(), words.end(), *word);
   if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
+  const std::string near = nearest_name(*word, words);
   refuse(key, ErrorCode::kBadValue, fmt::format("'{}' is none of the choices", *word),
-         fmt::format("Known are: {}", fmt::join(words, ", ")));
+         near.empty() ? fmt::format("Known are: {}", fmt::join(words, ", "))
+                      : fmt::format("Did you mean '{}'?", near));
   return otherwise;
 }
 

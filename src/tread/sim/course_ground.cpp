@@ -67,7 +67,7 @@ Status read_height_map(const Field& field, CourseBuilder& builder) {
   }
   fs::path path = name;
   if (path.is_relative()) path = fs::path(field.file()).parent_path() / path;
-  const bool picture = path.extension() == ".png";
+  const bool picture = path.extension() == ".png" || path.extension() == ".PNG";
   const double scale = fields.number("scale", 1.0, -1e3, 1e3);
   const GridGeometry& area = builder.world.ground.geometry;
   // The lower corner of the map goes there.
@@ -83,10 +83,10 @@ Status read_height_map(const Field& field, CourseBuilder& builder) {
   }
   if (Status s = fields.done(); !s) return s;
   const auto unknown = std::count_if(map->values.begin(), map->values.end(),
-                                     [](float h) { return !std::isfinite(h); });
+                                     [](float h) { return !(std::abs(h) <= 1e4F); });
   if (unknown > 0) {
     return field.error(ErrorCode::kBadValue,
-                       fmt::format("{} of {} heights in {} are unknown", unknown,
+                       fmt::format("{} of {} heights in {} are unknown or beyond 10 km", unknown,
                                    map->values.size(), path.string()),
                        "Fill the holes first (gdal_fillnodata.py)");
   }

@@ -240,6 +240,9 @@ void read_one(const Growth& growth, CourseFields& fields, const std::string& nam
   const double size =
       fields.number("size_m", 0.5 * (growth.smallest_m + growth.largest_m), 0.01, 100.0);
   const Material material = builder.material(fields.surface("surface", growth.surface), random);
+  if (std::isnan(ground_height(builder.world, at))) {
+    fields.refuse("at_m", ErrorCode::kBadValue, "it is off the ground", extent_text(builder.world));
+  }
   if (fields.good()) growth.add(builder, {name, at, size, material}, random);
 }
 
@@ -251,6 +254,11 @@ void read_many(const Growth& growth, CourseFields& fields, const std::string& na
   const double clear = fields.number("clear_m", growth.clear_m, 0.0, 1e3);
   const Area area = read_area(fields, builder.world);
   const Surface surface = fields.surface("surface", growth.surface);
+  constexpr int kMostTrees = 5000;  // each is some 2000 leaves
+  if (growth.add == add_tree && count > kMostTrees) {
+    fields.refuse("count", ErrorCode::kTooLarge, fmt::format("{} trees are too many", count),
+                  fmt::format("At most {}", kMostTrees));
+  }
   if (!fields.good()) return;
   for (int i = 0; i < count; ++i) {
     Random stream = random.stream(static_cast<std::uint64_t>(i));

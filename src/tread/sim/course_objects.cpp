@@ -212,7 +212,13 @@ void read_person(const Item& item) {
   person.path_m = f.places("path_m", 2);
   person.speed_m_per_s = f.number("speed_m_per_s", person.speed_m_per_s, 0.0, 10.0);
   person.height_m = f.number("height_m", person.height_m, 0.5, 2.5);
-  person.start_s = f.number("start_s", 0.0, 0.0, 1e5);
+  person.ahead_s = f.number("ahead_s", 0.0, 0.0, 1e5);
+  for (const Vector2d& place : person.path_m) {
+    if (std::isnan(ground_height(item.builder.world, place))) {
+      f.refuse("path_m", ErrorCode::kBadValue, "it leaves the ground",
+               extent_text(item.builder.world));
+    }
+  }
   person.clothes = item.material(Surface::kCloth);
   // No two people are dressed alike.
   for (int i = 0; i < 3; ++i) {
@@ -272,6 +278,23 @@ void add_box(CourseBuilder& builder, const BoxSpec& box) {
   builder.taken.push_back({box.at_m, 0.5 * box.size_m.head<2>().norm()});
 }
 
+namespace {
+
+// What was added since `first` stands on the ground with its middle.
+Status check_on_ground(const Field& field, std::size_t first, const World& world) {
+  for (std::size_t i = first; i < world.solids.size(); ++i) {
+    const Vector2d middle = world.solids[i].T_world_solid.translation().head<2>();
+    if (!std::isnan(ground_height(world, middle))) continue;
+    return field.error(
+        ErrorCode::kBadValue,
+        fmt::format("it is off the ground, at [{:.6g}, {:.6g}]", middle.x(), middle.y()),
+        extent_text(world));
+  }
+  return {};
+}
+
+}  // namespace
+
 Status read_object(const Field& item, CourseBuilder& builder) {
   const auto entries = item.entries();
   if (!entries) return forward(entries);
@@ -281,13 +304,15 @@ Status read_object(const Field& item, CourseBuilder& builder) {
                       "Write one kind an item: '- pallet: {at_m: [3, 0]}'");
   }
   const auto& [kind, field] = entries->front();
+  const std::size_t first = builder.world.solids.size();
   Random stream = builder.random.stream(field.path());
   const std::string name = fmt::format("{} (line {})", field.path(), field.line());
   for (const Kind& known : kinds()) {
     if (kind != known.name) continue;
     CourseFields fields(field);
     known.read({fields, name, stream, builder});
-    return fields.done();
+    if (Status s = fields.done(); !s) return s;
+    return check_on_ground(field, first, builder.world);
   }
   const auto grown = read_growth(kind, field, name, stream, builder);
   if (!grown) return forward(grown);

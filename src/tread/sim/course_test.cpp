@@ -233,7 +233,9 @@ TEST(Course, RefusesAndSaysWhereAndWhatToDo) {
       {"objects: [{stepping_stones: {at_m: [0, 0], drop_m: 0.2}}]\n", "made.yaml:3",
        "below the ground"},
       {"objects: [{pallet: {at_m: [0, 0]}, rock: {at_m: [1, 1]}}]\n", "made.yaml:3", "one kind"},
-      {"faults: [{sensor: gps, kind: dead}]\n", "made.yaml:3", "imu, gnss"},
+      {"faults: [{sensor: gps, kind: dead}]\n", "made.yaml:3", "'gnss'"},
+      {"objects: [{box: {at_m: [50, 0]}}]\n", "made.yaml:3", "off the ground"},
+      {"objects:\n  - person: {path_m: [[0, 0], [0, 9]]}\n", "made.yaml:4", "leaves the ground"},
       {"faults: [{sensor: imu, kind: dead, from_s: 9, until_s: 3}]\n", "made.yaml:3", "faults[0]"},
       {"resolution_m: 0.006\nsize_m: [90, 90]\n", "made.yaml", "size_m"},
   };

@@ -90,7 +90,7 @@ std::vector<Solid> person_parts(const Person& person) {
 }
 
 std::vector<Isometry3d> person_pose(const World& world, const Person& person, double time_s) {
-  const double way = person.speed_m_per_s * (time_s + person.start_s);
+  const double way = person.speed_m_per_s * (time_s + person.ahead_s);
   const OnPath at = on_path(person.path_m, way);
   const double height = ground_height(world, at.place);
   Isometry3d T_world_person = Isometry3d::Identity();

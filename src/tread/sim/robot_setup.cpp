@@ -1,5 +1,6 @@
 #include "tread/sim/robot_setup.hpp"
 
+#include <cmath>
 #include <numbers>
 
 namespace tread {
@@ -9,6 +10,12 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 
 const StereoHeadOptions& head_of(const RobotSetup& setup, int head) {
   return head == 0 ? setup.head : setup.second_head;
+}
+
+bool within_limits(const RobotSetup& setup) {
+  const PanTilt unit(setup.pan_tilt, setup.head_start);
+  return std::abs(unit.pan_rad() - setup.head_start.pan_rad) < 1e-9 &&
+         std::abs(unit.tilt_rad() - setup.head_start.tilt_rad) < 1e-9;
 }
 
 Isometry3d turned(double yaw_rad, double pitch_rad) {
@@ -35,9 +42,15 @@ OptionSet describe(StereoHeadOptions& options) {
   set.add("height_px", options.height_px, "height of the images", 16, 4096);
   set.add("focal_px", options.focal_px, "focal length", 1.0, 1e5);
   set.add("baseline_m", options.baseline_m, "between the two cameras", 0.001, 10.0);
-  set.add("k1", options.k1, "radial distortion, as OpenCV counts it; 0 and 0: rectified", -1.0,
-          1.0);
-  set.add("k2", options.k2, "radial distortion, as OpenCV counts it", -1.0, 1.0);
+  using Lens = StereoHeadOptions::Lens;
+  set.add_choice("lens", options.lens, "pinhole: the images come rectified",
+                 {{"pinhole", Lens::kPinhole},
+                  {"brown", Lens::kBrown},
+                  {"kannala_brandt", Lens::kKannalaBrandt}});
+  set.add("k1", options.k1, "distortion, unless pinhole: OpenCV's k1 of either lens", -1.0, 1.0);
+  set.add("k2", options.k2, "OpenCV's k2", -1.0, 1.0);
+  set.add("k3", options.k3, "OpenCV's p1 of brown, k3 of kannala_brandt", -1.0, 1.0);
+  set.add("k4", options.k4, "OpenCV's p2 of brown, k4 of kannala_brandt", -1.0, 1.0);
   set.add_group("mount", describe(options.mount));
   return set;
 }
@@ -68,6 +81,8 @@ OptionSet describe(RobotSetup& setup) {
   set.add("head_pan_rad", setup.head_start.pan_rad, "where the unit looks at the start", -4.0, 4.0);
   set.add("head_tilt_rad", setup.head_start.tilt_rad, "where the unit looks at the start", -1.6,
           1.6);
+  set.require({"head_pan_rad", "head_tilt_rad"}, "the unit must be able to look there",
+              [&setup] { return !setup.head_turns || within_limits(setup); });
   set.add_group("camera", describe(setup.camera));
   set.add("has_imu", setup.has_imu, "it has an IMU");
   set.add_group("imu", describe(setup.imu));
@@ -137,15 +152,20 @@ StereoRig rig_of(const RobotSetup& setup, int head) {
   rig.size = {options.width_px, options.height_px};
   const PinholeCamera pinhole{options.focal_px, options.focal_px, 0.5 * (options.width_px - 1),
                               0.5 * (options.height_px - 1), 0.0};
-  rig.rectified = options.k1 == 0.0 && options.k2 == 0.0;
-  if (rig.rectified) {
-    rig.left = pinhole;
-  } else {
+  rig.rectified = options.lens == StereoHeadOptions::Lens::kPinhole;
+  rig.left = pinhole;
+  if (options.lens == StereoHeadOptions::Lens::kBrown) {
     BrownCamera brown;
     brown.pinhole = pinhole;
-    brown.K[0] = options.k1;
-    brown.K[1] = options.k2;
+    brown.K = {options.k1, options.k2, 0.0, 0.0, 0.0};
+    brown.P = {options.k4, options.k3, 0.0, 0.0, 0.0};
     rig.left = brown;
+  } else if (options.lens == StereoHeadOptions::Lens::kKannalaBrandt) {
+    rig.left = KannalaBrandtCamera{pinhole.fx,
+                                   pinhole.fy,
+                                   pinhole.cx,
+                                   pinhole.cy,
+                                   {options.k1, options.k2, options.k3, options.k4}};
   }
   rig.right = rig.left;
   rig.T_left_right.translation().x() = options.baseline_m;

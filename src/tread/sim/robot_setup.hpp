@@ -1,5 +1,5 @@
 // A simulated robot: which body it has, what it carries where, and how well that works. Described
-// options, so that robots/rover.yaml, the command line and tests all set the same fields.
+// options, so that files, the command line and tests all set the same fields.
 #pragma once
 
 #include "tread/core/options.hpp"
@@ -28,13 +28,15 @@ struct MountOptions {
 // Body axes at that place, T_body_mount.
 [[nodiscard]] Isometry3d pose_of(const MountOptions& options);
 
-// Two parallel cameras, alike. Without distortion the images come rectified.
+// Two parallel cameras, alike.
 struct StereoHeadOptions {
   int width_px = 640, height_px = 480;
   double focal_px = 333.33;
   double baseline_m = 0.12;
-  double k1 = 0.0, k2 = 0.0;  // radial distortion, as OpenCV counts it
-  MountOptions mount;         // of the middle between the cameras; of one that turns, at angles 0
+  enum class Lens { kPinhole, kBrown, kKannalaBrandt };
+  Lens lens = Lens::kPinhole;                     // the images come rectified
+  double k1 = 0.0, k2 = 0.0, k3 = 0.0, k4 = 0.0;  // k1 k2 p1 p2, or k1 to k4, as OpenCV has them
+  MountOptions mount;  // of the middle between the cameras; of one that turns, at angles 0
   [[nodiscard]] bool operator==(const StereoHeadOptions&) const = default;
 };
 [[nodiscard]] OptionSet describe(StereoHeadOptions& options);

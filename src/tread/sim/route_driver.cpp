@@ -19,14 +19,9 @@ OptionSet describe(RouteDriverOptions& options) {
 }
 
 RouteDriver::RouteDriver(const World& world, const RouteDriverOptions& options)
-    : options_(options), route_{world.start.position_m}, way_m_{0.0} {
-  std::vector<Eigen::Vector2d> places = world.route_m;
-  if (places.empty()) places.push_back(world.goal_m);
-  for (const Eigen::Vector2d& place : places) {
-    const double step = (place - route_.back()).norm();
-    if (step <= 0.0) continue;
-    length_m_ += step;
-    route_.push_back(place);
+    : options_(options), route_(way_of(world)), way_m_{0.0} {
+  for (std::size_t i = 1; i < route_.size(); ++i) {
+    length_m_ += (route_[i] - route_[i - 1]).norm();
     way_m_.push_back(length_m_);
   }
 }
@@ -39,11 +34,11 @@ Eigen::Vector2d RouteDriver::at(double way_m) const {
   return route_[i - 1] + share * (route_[i] - route_[i - 1]);
 }
 
-// The nearest point of the route, among those not far ahead: a route may cross itself.
+// The nearest point of the route, among those just ahead: a route may cross itself or turn back.
 void RouteDriver::move_on(const Eigen::Vector2d& place) {
-  constexpr double kStep_m = 0.02;
+  constexpr double kStep_m = 0.02, kAhead_m = 0.3;
   double best = (at(gone_m_) - place).norm();
-  const double last = std::min(length_m_, gone_m_ + 2.0 * options_.look_ahead_m);
+  const double last = std::min(length_m_, gone_m_ + kAhead_m);
   for (double way = gone_m_ + kStep_m; way <= last; way += kStep_m) {
     const double distance = (at(way) - place).norm();
     if (distance < best) {
@@ -53,12 +48,27 @@ void RouteDriver::move_on(const Eigen::Vector2d& place) {
   }
 }
 
+// How far along the way it steers for: not beyond a place where the route turns back, until it is
+// there.
+double RouteDriver::target_m() const {
+  constexpr double kThere_m = 0.15;
+  const double target = gone_m_ + options_.look_ahead_m;
+  for (std::size_t i = 1; i + 1 < route_.size() && way_m_[i] < target; ++i) {
+    const Eigen::Vector2d in = route_[i] - route_[i - 1], out = route_[i + 1] - route_[i];
+    if (in.dot(out) < 0.0 && way_m_[i] > gone_m_ + kThere_m) return way_m_[i];
+  }
+  return target;
+}
+
 DriveCommand RouteDriver::drive(double time_s, const Isometry3d& T_world_body) {
   constexpr double kFurther_m = 0.25;
   const Eigen::Vector2d place = T_world_body.translation().head<2>();
   move_on(place);
-  arrived_ = arrived_ || (route_.back() - place).norm() < options_.arrived_m ||
-             gone_m_ > length_m_ - 0.5 * options_.arrived_m;
+  // A route may end where it starts: only what is near the end by the way counts.
+  const bool near = (route_.back() - place).norm() < options_.arrived_m;
+  const double left_m = length_m_ - gone_m_;
+  arrived_ =
+      arrived_ || left_m < 0.5 * options_.arrived_m || (near && left_m < options_.look_ahead_m);
   if (time_s < options_.rest_s || arrived_ || stuck_) {
     progress_s_ = time_s;
     return {};
@@ -68,7 +78,7 @@ DriveCommand RouteDriver::drive(double time_s, const Isometry3d& T_world_body) {
     progress_s_ = time_s;
   }
   stuck_ = time_s - progress_s_ > options_.stuck_s;
-  const Eigen::Vector2d target = at(gone_m_ + options_.look_ahead_m);
+  const Eigen::Vector2d target = at(target_m());
   const Eigen::Vector3d forward = T_world_body.linear().col(0);
   const Eigen::Vector2d ahead = forward.head<2>().normalized(), to = target - place;
   const double x = ahead.dot(to), y = ahead.x() * to.y() - ahead.y() * to.x();

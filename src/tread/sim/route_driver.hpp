@@ -39,6 +39,7 @@ class RouteDriver {
  private:
   [[nodiscard]] Eigen::Vector2d at(double way_m) const;
   void move_on(const Eigen::Vector2d& place);
+  [[nodiscard]] double target_m() const;
 
   RouteDriverOptions options_;
   std::vector<Eigen::Vector2d> route_;

@@ -39,21 +39,30 @@ double open_sky(const Scene& scene, const Eigen::Vector3d& place) {
   return static_cast<double>(open) / kRays;
 }
 
-Result<MovingBody::Kind> make_body(const World& world, const RobotSetup& setup,
-                                   const SimulationOptions& options) {
-  if (options.carried) {
-    auto body = CarriedBody::make(world, options.carry);
-    if (!body) return forward(body);
-    return MovingBody::Kind(std::move(*body));
-  }
+// The robot as physics has it, standing at the start. An error names the course.
+Result<MovingBody::Kind> place(const World& world, const RobotSetup& setup) {
+  const auto named = [&](Error error) {
+    error.where = fmt::format("{}: {}", world.name, error.where);
+    return tl::unexpected<Error>(std::move(error));
+  };
   if (setup.kind == RobotSetup::Kind::kRover) {
     auto body = RoverBody::place(world, setup.rover, world.start, setup.physics);
-    if (!body) return forward(body);
+    if (!body) return named(body.error());
     return MovingBody::Kind(std::move(*body));
   }
   auto body = WalkerBody::place(world, setup.walker, world.start, setup.stand, setup.physics);
-  if (!body) return forward(body);
+  if (!body) return named(body.error());
   return MovingBody::Kind(std::move(*body));
+}
+
+Result<MovingBody::Kind> make_body(const World& world, const RobotSetup& setup,
+                                   const SimulationOptions& options) {
+  auto body = place(world, setup);
+  if (!body || !options.carried) return body;
+  // One that is carried must have room where it starts, too.
+  auto carried = CarriedBody::make(world, options.carry);
+  if (!carried) return forward(carried);
+  return MovingBody::Kind(std::move(*carried));
 }
 
 // Axes of the walker's trunk, in which physics has it, to those of its body on the ground.
@@ -191,6 +200,7 @@ struct SimulatedRobot::Parts {
 
   void measure_gnss(std::int64_t t) {
     const Isometry3d T = body.motion_at(t).T_world_body;
+    scene.set_time(1e-9 * static_cast<double>(t));
     const Eigen::Vector3d antenna = T * pose_of(setup.antenna_mount).translation();
     if (const auto fix = gnss_sensor.measure(t, T, open_sky(scene, antenna))) gnss->push(t, *fix);
   }
@@ -255,7 +265,6 @@ Result<std::unique_ptr<SimulatedRobot>> SimulatedRobot::make(const Course& cours
                                                              const SimulationOptions& options,
                                                              const Context& context) {
   if (Status s = check_options(setup); !s) return forward(s);
-  if (Status s = check_faults(course.faults, setup.heads); !s) return forward(s);
   auto scene = Scene::make(course.world);
   if (!scene) return forward(scene);
   auto kind = make_body(*course.world, setup, options);

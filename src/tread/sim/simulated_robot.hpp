@@ -44,8 +44,8 @@ struct FrameTruth {
 
 class SimulatedRobot final : public Robot {
  public:
-  // At the start of the course. Errors: options out of range, faults of sensors that are not there,
-  // what makes a body's place impossible, a carried robot without a route.
+  // At the start of the course. Faults of sensors that this robot does not have do nothing. Errors:
+  // options out of range, what makes a body's place impossible, a carried robot without a route.
   [[nodiscard]] static Result<std::unique_ptr<SimulatedRobot>> make(
       const Course& course, const RobotSetup& setup, const SimulationOptions& options,
       const Context& context = {});

@@ -76,15 +76,32 @@ std::uint64_t hash_of(const SensorBatch& batch) {
     }
   }
   for (const ImuSample& s : batch.imu) {
+    add(static_cast<std::uint64_t>(s.stamp_ns));
     for (int i = 0; i < 3; ++i) {
       number(s.gyro_rad_per_s(i));
       number(s.accel_m_per_s2(i));
     }
   }
-  for (const GnssFix& s : batch.gnss) number(s.position_m.x());
-  for (const WheelSample& s : batch.wheels) number(s.left_rad);
-  for (const LegSample& s : batch.legs) number(s.torque_nm[3]);
-  for (const BumpEvent& s : batch.bumps) add(static_cast<std::uint64_t>(s.stamp_ns));
+  for (const GnssFix& s : batch.gnss) {
+    add(static_cast<std::uint64_t>(s.stamp_ns));
+    for (int i = 0; i < 3; ++i) number(s.position_m(i));
+  }
+  for (const WheelSample& s : batch.wheels) {
+    add(static_cast<std::uint64_t>(s.stamp_ns));
+    for (const double v : {s.left_rad, s.right_rad, s.left_current_a, s.right_current_a}) number(v);
+  }
+  for (const LegSample& s : batch.legs) {
+    for (int i = 0; i < kLegJoints; ++i) {
+      const auto joint = static_cast<std::size_t>(i);
+      for (const double v :
+           {s.position_rad[joint], s.velocity_rad_per_s[joint], s.torque_nm[joint]}) {
+        number(v);
+      }
+    }
+  }
+  for (const HeadState& s : batch.head) number(s.pan_rad);
+  for (const BumpEvent& s : batch.bumps)
+    add(2 * static_cast<std::uint64_t>(s.stamp_ns) + s.pressed);
   return h;
 }
 
@@ -234,8 +251,32 @@ TEST(SimulatedRobot, RefusesWhatItCannotDo) {
   const std::string rock =
       message("objects: [{rock: {at_m: [-0.3, 0], size_m: 0.8}}]\n", rover_setup());
   EXPECT_NE(rock.find("objects[0].rock (line 4)"), std::string::npos) << rock;
-  EXPECT_NE(message("faults: [{sensor: camera5, kind: dead}]\n", rover_setup()).find("camera5"),
-            std::string::npos);
+  RobotSetup up = walker_setup();
+  up.head_start.tilt_rad = 1.4;
+  EXPECT_NE(message("", up).find("head_tilt_rad"), std::string::npos);
+  // Carried or not: it must have room.
+  SimulationOptions carried;
+  carried.carried = true;
+  EXPECT_FALSE(SimulatedRobot::make(
+      course_of("route_m: [[3, 0]]\nobjects: [{rock: {at_m: [-0.3, 0], size_m: 0.8}}]\n"),
+      rover_setup(), carried));
+}
+
+TEST(SimulatedSource, ASilentImuIsNotWaitedForAndRepeatedFramesAreLeftOut) {
+  const Course course = course_of(
+      "route_m: [[1.5, 0]]\nfaults:\n  - {sensor: imu, kind: dead, from_s: 1}\n"
+      "  - {sensor: camera0, kind: frozen, from_s: 2.05, until_s: 2.55}\n");
+  auto source = open_simulated_source(course, small(rover_setup()), {});
+  ASSERT_TRUE(source) << source.error().message();
+  std::int64_t last = 0;
+  int frames = 0;
+  for (auto frame = (*source)->next(); frame && *frame; frame = (*source)->next()) {
+    EXPECT_GT((*frame)->stamp_ns, last);
+    last = (*frame)->stamp_ns;
+    ++frames;
+  }
+  EXPECT_EQ((*source)->problems().size(), 5U);
+  EXPECT_GT(frames, 30);
 }
 
 TEST(SimulatedSource, GivesFramesWithPosesAndImu) {

@@ -21,11 +21,15 @@ class SimulatedSource final : public StereoSource {
   [[nodiscard]] std::string kind() const override { return "simulated course"; }
 
   [[nodiscard]] Result<std::optional<StereoFrame>> next() override {
-    constexpr std::int64_t kStep_ns = 10'000'000;
+    constexpr std::int64_t kStep_ns = 10'000'000, kPatience_ns = 200'000'000;
     const auto end_ns = static_cast<std::int64_t>(1e9 * (*robot_->duration_s() + 1.0));
     while (true) {
-      // Samples of the IMU arrive sooner than images; those up to the stamp must all be there.
-      if (!frames_.empty() && imu_until_ns_ >= frames_.front().stamp_ns) return with_imu();
+      // Samples of the IMU arrive sooner than images; those up to the stamp must all be there. One
+      // that is silent is not waited for.
+      if (!frames_.empty() && (imu_until_ns_ >= frames_.front().stamp_ns ||
+                               now_ns_ > frames_.front().stamp_ns + kPatience_ns)) {
+        return with_imu();
+      }
       if (robot_->time_ns() > end_ns || given_ >= frame_count()) {
         return frames_.empty() || given_ >= frame_count() ? Result<std::optional<StereoFrame>>()
                                                           : with_imu();
@@ -33,17 +37,28 @@ class SimulatedSource final : public StereoSource {
       auto batch = robot_->advance(kStep_ns);
       if (!batch) return forward(batch);
       for (HeadFrame& frame : batch->frames) {
-        if (frame.head == 0) frames_.push_back(std::move(frame.frame));
+        if (frame.head == 0) take(std::move(frame.frame));
       }
+      now_ns_ = batch->now_ns;
       for (const ImuSample& sample : batch->imu) {
         imu_.push_back(sample);
         imu_until_ns_ = sample.stamp_ns;
       }
-      if (!has_imu_) imu_until_ns_ = batch->now_ns;
+      if (!has_imu_) imu_until_ns_ = now_ns_;
     }
   }
 
  private:
+  // Frames come in order of time: one that a fault repeats or brings late is left out, and told.
+  void take(StereoFrame frame) {
+    if (last_ns_ && frame.stamp_ns <= *last_ns_) {
+      problems_.push_back({ErrorCode::kBadValue, "its stamp is not after the last one",
+                           "frame " + frame.name, "It is left out"});
+      return;
+    }
+    last_ns_ = frame.stamp_ns;
+    frames_.push_back(std::move(frame));
+  }
   [[nodiscard]] std::optional<StereoFrame> with_imu() {
     StereoFrame frame = std::move(frames_.front());
     frames_.pop_front();
@@ -61,7 +76,8 @@ class SimulatedSource final : public StereoSource {
   std::vector<Error> problems_;
   std::deque<StereoFrame> frames_;
   std::deque<ImuSample> imu_;
-  std::int64_t imu_until_ns_ = 0;
+  std::int64_t imu_until_ns_ = 0, now_ns_ = 0;
+  std::optional<std::int64_t> last_ns_;
   int given_ = 0;
 };
 

@@ -17,6 +17,7 @@ target_sources(tread_tests PRIVATE
   ${here}/random_test.cpp
   ${here}/relief_test.cpp
   ${here}/rover_body_test.cpp
+  ${here}/route_driver_test.cpp
   ${here}/scene_test.cpp
   ${here}/sensor_channel_test.cpp
   ${here}/simulated_robot_test.cpp

@@ -26,39 +26,145 @@ CellRect cells_around(const GridGeometry& geometry, const Eigen::Vector2d& place
        std::min(geometry.rows, within(high.y(), geometry.rows) + 1)}};
 }
 
-// Largest difference of height within `reach` cells along x, y and the diagonals; NaN counts as a
-// fall without end.
-Grid<float> largest_steps(const Grid<float>& height, int reach) {
-  Grid<float> steps(height.geometry, 0.0F);
-  const GridGeometry& g = height.geometry;
+constexpr float kEndless = std::numeric_limits<float>::infinity();
+
+// The largest value within `reach` before and behind each, by the two passes of van Herk (1992):
+// three comparisons a value, whatever the reach. What is beyond the ends counts as endless.
+void running_maximum(std::vector<float>& row, int reach, std::vector<float>& work) {
+  const auto window = static_cast<std::size_t>(2 * reach + 1), count = row.size();
+  const std::size_t padded =
+      (count + 2 * static_cast<std::size_t>(reach) + window - 1) / window * window;
+  work.assign(2 * padded, kEndless);
+  float* const ahead = work.data();
+  float* const back = work.data() + padded;
+  for (std::size_t i = 0; i < count; ++i) ahead[i + static_cast<std::size_t>(reach)] = row[i];
+  std::copy(ahead, ahead + padded, back);
+  for (std::size_t i = 0; i < padded; ++i) {
+    if (i % window != 0) ahead[i] = std::max(ahead[i], ahead[i - 1]);
+    const std::size_t j = padded - 1 - i;
+    if (j % window != window - 1 && j + 1 < padded) back[j] = std::max(back[j], back[j + 1]);
+  }
+  for (std::size_t i = 0; i < count; ++i) row[i] = std::max(back[i], ahead[i + window - 1]);
+}
+
+// Of a square of cells around each.
+Grid<float> maximum_around(Grid<float> values, int reach) {
+  const GridGeometry& g = values.geometry;
+  std::vector<float> row, work;
   for (int y = 0; y < g.rows; ++y) {
-    for (int x = 0; x < g.columns; ++x) {
-      float& step = steps[{x, y}];
-      for (int dy = -reach; dy <= reach; ++dy) {
-        for (int dx = -reach; dx <= reach; ++dx) {
-          const Cell other{x + dx, y + dy};
-          const bool known = g.contains(other) && std::isfinite(height[other]);
-          step = known ? std::max(step, std::abs(height[other] - height[{x, y}]))
-                       : std::numeric_limits<float>::infinity();
-        }
+    row.resize(static_cast<std::size_t>(g.columns));
+    for (int x = 0; x < g.columns; ++x) row[static_cast<std::size_t>(x)] = values[{x, y}];
+    running_maximum(row, reach, work);
+    for (int x = 0; x < g.columns; ++x) values[{x, y}] = row[static_cast<std::size_t>(x)];
+  }
+  for (int x = 0; x < g.columns; ++x) {
+    row.resize(static_cast<std::size_t>(g.rows));
+    for (int y = 0; y < g.rows; ++y) row[static_cast<std::size_t>(y)] = values[{x, y}];
+    running_maximum(row, reach, work);
+    for (int y = 0; y < g.rows; ++y) values[{x, y}] = row[static_cast<std::size_t>(y)];
+  }
+  return values;
+}
+
+// Largest difference of height within `reach` cells along x and y; what is unknown or beyond the
+// map counts as a fall without end.
+Grid<float> largest_steps(const Grid<float>& height, int reach) {
+  Grid<float> up = height, down = height;
+  for (std::size_t i = 0; i < height.values.size(); ++i) {
+    const bool known = std::isfinite(height.values[i]);
+    up.values[i] = known ? height.values[i] : kEndless;
+    down.values[i] = known ? -height.values[i] : kEndless;
+  }
+  up = maximum_around(std::move(up), reach);
+  down = maximum_around(std::move(down), reach);
+  for (std::size_t i = 0; i < height.values.size(); ++i) {
+    const float h = height.values[i];
+    up.values[i] = std::isfinite(h) ? std::max(up.values[i] - h, down.values[i] + h) : kEndless;
+  }
+  return up;
+}
+
+// Distance of each cell to the nearest bad one along its column, then the smallest of those along
+// its row with the way there (the first two passes of Meijster 2000, squared distances in cells);
+// beyond the map all is bad.
+Grid<float> distance_to_bad(const Grid<float>& steps, float largest_step, int farthest) {
+  const GridGeometry& g = steps.geometry;
+  Grid<float> along(g);
+  for (int x = 0; x < g.columns; ++x) {
+    for (int pass = 0; pass < 2; ++pass) {
+      float distance = 0.0F;
+      for (int k = 0; k < g.rows; ++k) {
+        const Cell c{x, pass == 0 ? k : g.rows - 1 - k};
+        distance = steps[c] <= largest_step ? distance + 1.0F : 0.0F;
+        along[c] = pass == 0 ? distance : std::min(along[c], distance);
       }
     }
   }
-  return steps;
+  Grid<float> nearest(g);
+  for (int y = 0; y < g.rows; ++y) {
+    for (int x = 0; x < g.columns; ++x) {
+      const auto beside = static_cast<float>(std::min(x, g.columns - 1 - x) + 1);
+      float best = std::min(along[{x, y}] * along[{x, y}], beside * beside);
+      for (int d = 1; d <= farthest && static_cast<float>(d * d) < best; ++d) {
+        for (const int other : {x - d, x + d}) {
+          if (other < 0 || other >= g.columns) continue;
+          const float a = along[{other, y}];
+          best = std::min(best, a * a + static_cast<float>(d * d));
+        }
+      }
+      nearest[{x, y}] = std::sqrt(best);
+    }
+  }
+  return nearest;
 }
 
-// Slope of the plane that fits the disc of cells best: for cells that are symmetric about the
-// middle the normal equations are diagonal.
-double slope_of_disc(const Grid<float>& height, Cell c, const std::vector<Cell>& disc) {
-  double sxx = 0.0, sx = 0.0, sy = 0.0;
-  for (const Cell& d : disc) {
-    const double h = height[{c.x + d.x, c.y + d.y}];
-    sx += d.x * h;
-    sy += d.y * h;
-    sxx += d.x * d.x;
+// Slopes of planes that fit squares of cells best, from sums over the map: for cells that lie
+// evenly about the middle the normal equations are diagonal.
+class PlaneSlopes {
+ public:
+  PlaneSlopes(const Grid<float>& height, int reach)
+      : geometry_(height.geometry), reach_(reach), width_(geometry_.columns + 1) {
+    for (std::vector<double>* sums : {&h_, &xh_, &yh_}) {
+      sums->assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(geometry_.rows + 1),
+                   0.0);
+    }
+    for (int y = 0; y < geometry_.rows; ++y) {
+      double h = 0.0, xh = 0.0, yh = 0.0;
+      for (int x = 0; x < geometry_.columns; ++x) {
+        const float value = height[{x, y}];
+        const double known = std::isfinite(value) ? static_cast<double>(value) : 0.0;
+        h += known;
+        xh += x * known;
+        yh += y * known;
+        h_[at(x + 1, y + 1)] = h_[at(x + 1, y)] + h;
+        xh_[at(x + 1, y + 1)] = xh_[at(x + 1, y)] + xh;
+        yh_[at(x + 1, y + 1)] = yh_[at(x + 1, y)] + yh;
+      }
+    }
   }
-  return sxx > 0.0 ? std::atan(std::hypot(sx, sy) / (sxx * height.geometry.resolution_m)) : 0.0;
-}
+  // The square about a cell must lie on the map.
+  [[nodiscard]] double slope(Cell c) const {
+    const double side = 2.0 * reach_ + 1.0;
+    const double squares = side * side * (side * side - 1.0) / 12.0;  // of the distances along x
+    const double h = sum(h_, c);
+    const double sx = sum(xh_, c) - c.x * h, sy = sum(yh_, c) - c.y * h;
+    return squares > 0.0 ? std::atan(std::hypot(sx, sy) / (squares * geometry_.resolution_m)) : 0.0;
+  }
+
+ private:
+  [[nodiscard]] std::size_t at(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+           static_cast<std::size_t>(x);
+  }
+  [[nodiscard]] double sum(const std::vector<double>& sums, Cell c) const {
+    const int x0 = c.x - reach_, x1 = c.x + reach_ + 1, y0 = c.y - reach_, y1 = c.y + reach_ + 1;
+    return sums[at(x1, y1)] - sums[at(x0, y1)] - sums[at(x1, y0)] + sums[at(x0, y0)];
+  }
+
+  GridGeometry geometry_;
+  int reach_, width_;
+  std::vector<double> h_, xh_, yh_;
+};
 
 }  // namespace
 
@@ -99,24 +205,19 @@ Grid<float> true_traversable(const Grid<float>& height, const TraverseOptions& o
   const GridGeometry& g = height.geometry;
   const int reach =
       std::max(1, static_cast<int>(std::lround(options.step_length_m / g.resolution_m)));
-  const Grid<float> steps = largest_steps(height, reach);
-  const int radius = static_cast<int>(options.radius_m / g.resolution_m);
-  std::vector<Cell> disc;
-  for (int dy = -radius; dy <= radius; ++dy) {
-    for (int dx = -radius; dx <= radius; ++dx) {
-      if (std::hypot(dx, dy) * g.resolution_m <= options.radius_m) disc.push_back({dx, dy});
-    }
-  }
+  const auto largest_step = static_cast<float>(options.largest_step_m);
+  const double radius = options.radius_m / g.resolution_m;
+  const Grid<float> clear = distance_to_bad(largest_steps(height, reach), largest_step,
+                                            static_cast<int>(std::ceil(radius)) + 1);
+  // The square that the circle holds.
+  const PlaneSlopes planes(height, static_cast<int>(radius * std::sqrt(0.5)));
   Grid<float> free(g, kNone);
   for (int y = 0; y < g.rows; ++y) {
     for (int x = 0; x < g.columns; ++x) {
       const Cell c{x, y};
       if (!std::isfinite(height[c])) continue;
-      const bool good = std::all_of(disc.begin(), disc.end(), [&](const Cell& d) {
-        const Cell at{x + d.x, y + d.y};
-        return g.contains(at) && steps[at] <= static_cast<float>(options.largest_step_m);
-      });
-      free[c] = good && slope_of_disc(height, c, disc) <= options.largest_slope_rad ? 1.0F : 0.0F;
+      const bool good = static_cast<double>(clear[c]) > radius;
+      free[c] = good && planes.slope(c) <= options.largest_slope_rad ? 1.0F : 0.0F;
     }
   }
   return free;

@@ -18,10 +18,10 @@ struct TrueMapOptions {
 
 // How a robot of one size stands on the ground.
 struct TraverseOptions {
-  double radius_m = 0.58;           // of the circle around it
-  double largest_step_m = 0.12;     // up or down within step_length_m
+  double radius_m = 0.58;        // of the circle around it
+  double largest_step_m = 0.12;  // up or down within step_length_m
   double step_length_m = 0.15;
-  double largest_slope_rad = 0.44;  // of the plane under it
+  double largest_slope_rad = 0.44;  // of the plane that fits the square in its circle
 };
 [[nodiscard]] OptionSet describe(TraverseOptions& options);
 

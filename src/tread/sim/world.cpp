@@ -59,6 +59,16 @@ Top top_at(const World& world, const Eigen::Vector2d& place) {
 
 }  // namespace
 
+std::vector<Eigen::Vector2d> way_of(const World& world) {
+  std::vector<Eigen::Vector2d> way{world.start.position_m};
+  const auto go = [&way](const Eigen::Vector2d& place) {
+    if ((place - way.back()).norm() > 1e-9) way.push_back(place);
+  };
+  for (const Eigen::Vector2d& place : world.route_m) go(place);
+  go(world.goal_m);
+  return way;
+}
+
 double ground_height(const World& world, const Eigen::Vector2d& place) {
   const auto spot = spot_at(world.ground.geometry, place);
   if (!spot) return kNone;

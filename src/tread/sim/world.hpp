@@ -43,7 +43,7 @@ struct Person {
   std::vector<Eigen::Vector2d> path_m;  // at least two places
   double speed_m_per_s = 1.2;
   double height_m = 1.75;
-  double start_s = 0.0;  // ahead on the way, as time
+  double ahead_s = 0.0;  // so far on its way at the start, as time
   Material clothes;
 };
 
@@ -77,6 +77,10 @@ struct World {
   Eigen::Vector2d goal_m = Eigen::Vector2d::Zero();
   std::vector<Eigen::Vector2d> route_m;  // places to go through, from start to goal
 };
+
+// The way that a course is meant to be crossed: start, route, and the goal if there is no route or
+// it ends elsewhere; no place twice in a row.
+[[nodiscard]] std::vector<Eigen::Vector2d> way_of(const World& world);
 
 // The height of the ground (without solids) on its triangles; NaN outside.
 [[nodiscard]] double ground_height(const World& world, const Eigen::Vector2d& place);

@@ -93,7 +93,7 @@ Status check_person(const Person& person, const std::string& where) {
   const bool walks = person.path_m.size() >= 2 &&
                      std::all_of(person.path_m.begin(), person.path_m.end(),
                                  [](const Eigen::Vector2d& p) { return p.allFinite(); });
-  if (!walks || !std::isfinite(person.speed_m_per_s) || !std::isfinite(person.start_s)) {
+  if (!walks || !std::isfinite(person.speed_m_per_s) || !std::isfinite(person.ahead_s)) {
     return bad("it has no way to walk", where, "Give at least two places and a finite speed");
   }
   if (!(person.height_m > 0.0) || !std::isfinite(person.height_m)) {

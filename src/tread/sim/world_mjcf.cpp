@@ -142,7 +142,7 @@ Status check_person(const Person& person) {
                     std::all_of(person.path_m.begin(), person.path_m.end(),
                                 [](const Eigen::Vector2d& p) { return p.allFinite(); });
   const bool size = person.height_m > 0.0 && std::isfinite(person.height_m);
-  if (line && size && std::isfinite(person.speed_m_per_s) && std::isfinite(person.start_s)) {
+  if (line && size && std::isfinite(person.speed_m_per_s) && std::isfinite(person.ahead_s)) {
     return {};
   }
   return tl::unexpected<Error>(bad(size ? "it has no way to walk" : "it has no height", person.name,
