@@ -6,11 +6,10 @@
 #include <array>
 #include <chrono>
 #include <ctime>
-#include <deque>
-#include <map>
 
 #include "command.hpp"
 #include "interrupt.hpp"
+#include "simulate_recording.hpp"
 #include "simulate_report.hpp"
 #include "tread/io/data_set_writer.hpp"
 #include "tread/io/image_file.hpp"
@@ -84,67 +83,6 @@ double cpu_s() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-// Everything that a run writes, if there is a folder for it.
-class Recording {
- public:
-  Recording(DataSetWriter* writer, const SimulatedRobot& robot, std::int64_t epoch_ns)
-      : writer_(writer), robot_(robot), epoch_ns_(epoch_ns) {}
-
-  // The first thing that could not be written.
-  [[nodiscard]] const Status& status() const { return status_; }
-  [[nodiscard]] const std::map<std::string, std::int64_t>& counts() const { return counts_; }
-
-  // The depth of a frame that is on its way; it is written when that arrives.
-  void expect(const FrameTruth& truth) {
-    if (writer_ == nullptr) return;
-    depths_.push_back(truth);
-    if (depths_.size() > kMostExpected) depths_.pop_front();
-  }
-  void add(const SensorBatch& batch) {
-    for (const HeadFrame& frame : batch.frames) {
-      ++counts_[fmt::format("camera{}", frame.head)];
-      if (writer_ == nullptr) continue;
-      keep(writer_->add(frame.head, frame.frame));
-      for (const FrameTruth& truth : depths_) {
-        if (truth.head != frame.head || truth.stamp_ns != frame.frame.stamp_ns) continue;
-        keep(writer_->add_depth(truth.head, truth.stamp_ns, truth.depth.view()));
-      }
-    }
-    add_all("imu", batch.imu);
-    add_all("gnss", batch.gnss);
-    add_all("wheels", batch.wheels);
-    add_all("legs", batch.legs);
-    add_all("head", batch.head);
-    add_all("bump", batch.bumps);
-    const BodyMotion& motion = robot_.motion();
-    if (writer_ != nullptr) {
-      keep(writer_->add(BodyTruth{epoch_ns_ + robot_.time_ns(), motion.T_world_body,
-                                  motion.velocity_m_per_s, robot_.gyro_bias_rad_per_s(),
-                                  robot_.accel_bias_m_per_s2()}));
-    }
-  }
-
- private:
-  void keep(const Status& status) {
-    if (status_ && !status) status_ = status;
-  }
-  template <class Sample>
-  void add_all(const char* name, const std::vector<Sample>& samples) {
-    for (const Sample& sample : samples) {
-      ++counts_[name];
-      if (writer_ != nullptr) keep(writer_->add(sample));
-    }
-  }
-
-  static constexpr std::size_t kMostExpected = 16;
-  DataSetWriter* writer_;
-  std::deque<FrameTruth> depths_;
-  const SimulatedRobot& robot_;
-  std::int64_t epoch_ns_;
-  Status status_;
-  std::map<std::string, std::int64_t> counts_;
-};
-
 Result<DataSetWriter> open_writer(const SimulateArguments& arguments, const SimulatedRobot& robot,
                                   const RobotSetup& setup) {
   RecordingSetup recording;
@@ -170,7 +108,7 @@ void keep_pair(const SensorBatch& batch, SimulateRun& run) {
 
 // Lets the robot go its way until it is there, or time is up.
 Status go(const SimulateArguments& arguments, const SimulateSettings& settings,
-          SimulatedRobot& robot, Recording& recording, SimulateRun& run) {
+          SimulatedRobot& robot, SimulateRecording& recording, SimulateRun& run) {
   constexpr std::int64_t kStep_ns = 5'000'000;
   constexpr double kAfter_s = 1.0;  // that it goes on after it has arrived
   double end_s = arguments.duration_s.value_or(robot.duration_s() ? *robot.duration_s() + kAfter_s
@@ -310,7 +248,7 @@ Status simulate(const SimulateArguments& arguments, const SimulateSettings& sett
     if (!opened) return forward(opened);
     writer.emplace(std::move(*opened));
   }
-  Recording recording(writer ? &*writer : nullptr, **robot, options.epoch_ns);
+  SimulateRecording recording(writer ? &*writer : nullptr, **robot, options.epoch_ns);
   const double middle_s =
       0.5 * arguments.duration_s.value_or((*robot)->duration_s().value_or(20.0));
   (*robot)->on_frame([&](FrameTruth&& truth) {

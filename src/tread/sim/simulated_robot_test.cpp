@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 
+#include "tread/sim/named_courses.hpp"
 #include "tread/sim/route_driver.hpp"
 #include "tread/sim/simulated_source.hpp"
 
@@ -120,6 +122,35 @@ TEST(SimulatedRobot, SameBytesForAnyThreadsAndStepsAndOtherBytesForAnotherSeed) 
   EXPECT_EQ(once, bytes(1, 2, 50'000'000));
   EXPECT_EQ(once, bytes(1, 1, 7'000'000));
   EXPECT_NE(once, bytes(2, 1, 50'000'000));
+}
+
+// A second in the meadow is what it has always been, but for what compilers and processors round
+// differently: where the robot gets, and the mean grey of each twelfth of its first picture.
+TEST(SimulatedRobot, ASecondInTheMeadowIsWhatItHasAlwaysBeen) {
+  const auto course = find_course("meadow");
+  ASSERT_TRUE(course) << course.error().message();
+  RobotSetup setup = rover_setup();
+  setup.heads = 1;
+  setup.head.width_px = 160;
+  setup.head.height_px = 120;
+  setup.head.focal_px = 120.0;
+  const auto robot = robot_on(*course, setup);
+  ASSERT_TRUE(robot->command({.drive = DriveCommand{0.6, 0.1}}));
+  const SensorBatch batch = run(*robot, 1.0);
+  const Eigen::Vector3d p = robot->motion().T_world_body.translation();
+  EXPECT_LT((p - Eigen::Vector3d(0.486282, 0.010005, 0.207854)).norm(), 0.003) << p.transpose();
+  EXPECT_NEAR(batch.wheels.back().left_rad, 2.991, 0.02);
+  EXPECT_NEAR(batch.wheels.back().right_rad, 3.215, 0.02);
+  const std::array<double, 12> greys{135.54, 125.47, 119.38, 111.82, 106.70, 103.98,
+                                     108.85, 101.06, 101.19, 102.39, 101.46, 93.54};
+  const Image<std::uint8_t>& picture = batch.frames.front().frame.left;
+  for (int block = 0; block < 12; ++block) {
+    double sum = 0.0;
+    for (int y = 0; y < 40; ++y) {
+      for (int x = 0; x < 40; ++x) sum += picture(40 * (block % 4) + x, 40 * (block / 4) + y);
+    }
+    EXPECT_NEAR(sum / 1600.0, greys[static_cast<std::size_t>(block)], 0.7) << block;
+  }
 }
 
 TEST(SimulatedRobot, SensorsComeAtTheirRates) {
