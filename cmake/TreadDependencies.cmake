@@ -13,11 +13,7 @@ find_dependency(TIFF)
 find_dependency(GeoTIFF)
 find_dependency(Ceres)
 find_dependency(embree 3)
-find_dependency(mujoco)
-# Debian's package of MuJoCo 2.2 names an include folder that it does not have.
-if(TARGET mujoco::mujoco)
-  set_target_properties(mujoco::mujoco PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "")
-endif()
+find_dependency(MuJoCo)
 find_dependency(OpenCVModules COMPONENTS core features2d imgcodecs imgproc video)
 
 # yaml-cpp 0.7 exports a target without a name space and, on Debian, without its include folder.

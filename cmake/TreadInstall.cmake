@@ -12,7 +12,8 @@ install(EXPORT treadTargets NAMESPACE tread:: DESTINATION ${package_dir})
 write_basic_package_version_file(treadConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES cmake/treadConfig.cmake
               ${CMAKE_CURRENT_BINARY_DIR}/treadConfigVersion.cmake
-              cmake/TreadDependencies.cmake cmake/FindGeoTIFF.cmake cmake/FindOpenCVModules.cmake
+              cmake/TreadDependencies.cmake cmake/FindGeoTIFF.cmake cmake/FindMuJoCo.cmake
+              cmake/FindOpenCVModules.cmake
         DESTINATION ${package_dir})
 install(DIRECTORY rigs DESTINATION ${CMAKE_INSTALL_DATADIR}/tread)
 if(TARGET tread_app)
