@@ -15,7 +15,7 @@ install(FILES cmake/treadConfig.cmake
               cmake/TreadDependencies.cmake cmake/FindGeoTIFF.cmake cmake/FindMuJoCo.cmake
               cmake/FindOpenCVModules.cmake
         DESTINATION ${package_dir})
-install(DIRECTORY rigs DESTINATION ${CMAKE_INSTALL_DATADIR}/tread)
+install(DIRECTORY rigs robots worlds DESTINATION ${CMAKE_INSTALL_DATADIR}/tread)
 if(TARGET tread_app)
   install(TARGETS tread_app DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()

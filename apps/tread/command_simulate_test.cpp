@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "command_test.hpp"
@@ -72,6 +73,22 @@ TEST(TreadSimulate, OneSeedIsOneRecordingForAnyThreads) {
   EXPECT_GT(once.size(), 10000U);
   EXPECT_TRUE(once == imu_of("--threads 2", "b"));
   EXPECT_FALSE(once == imu_of("--seed 2", "c"));
+}
+
+TEST(TreadSimulate, TheRobotsThatComeAlongAreSound) {
+  const ScratchFolder scratch;
+  const std::string file = course(scratch);
+  for (const char* robot : {"skid_rover", "fisheye_walker"}) {
+    const std::string settings = fmt::format("{}/robots/{}.yaml", TREAD_SOURCE_DIR, robot);
+    const Ran ran = tread(fmt::format(
+        "simulate {} --config {} --set robot.head.width_px=160 --set robot.head.height_px=120 "
+        "--duration 0.4 -o {}",
+        file, settings, (scratch / robot).string()));
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    const auto rig = read_rig((scratch / robot).string());
+    ASSERT_TRUE(rig) << rig.error().message();
+    EXPECT_FALSE(rig->rectified);
+  }
 }
 
 TEST(TreadSimulate, TheWalkerIsCarriedWithItsGait) {
