@@ -56,7 +56,7 @@ TEST(TextTree, OpenCvHeaderIsBlankedOutWithoutMovingLines) {
 TEST(TextTree, YamlSyntaxErrorsNameTheLine) {
   EXPECT_SAYS(yaml_error("a: 1\nb: [1, 2\n"), "f:3: not YAML");
   EXPECT_SAYS(yaml_error("a: 1\n  b: 2\n"), "f:2: not YAML");
-  EXPECT_SAYS(yaml_error("a: 1\nb: 2\na: 3\n"), "a: the name is there twice");
+  EXPECT_SAYS(yaml_error("a: 1\nb: 2\na: 3\n"), ":3: a: the name is there twice");
   EXPECT_SAYS(yaml_error("[1, 2]: 3\n"), "a name is not a text");
   EXPECT_SAYS(yaml_error("a: *nowhere\n"), "not YAML");
 }

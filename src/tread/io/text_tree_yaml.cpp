@@ -47,11 +47,14 @@ Result<TextNode> convert(const YAML::Node& from, const std::string& file, int de
     node.kind = TextNode::Kind::kMap;
     std::set<std::string> seen;
     for (const auto& entry : from) {
-      if (!entry.first.IsScalar() || !seen.insert(entry.first.Scalar()).second) {
-        return fail(ErrorCode::kBadFormat,
-                    entry.first.IsScalar() ? "the name is there twice" : "a name is not a text",
-                    entry.first.IsScalar() ? where + ": " + entry.first.Scalar() : where,
+      const std::string line = fmt::format("{}:{}", file, entry.first.Mark().line + 1);
+      if (!entry.first.IsScalar()) {
+        return fail(ErrorCode::kBadFormat, "a name is not a text", line,
                     "Write each name once, as 'name: value'");
+      }
+      if (!seen.insert(entry.first.Scalar()).second) {
+        return fail(ErrorCode::kBadFormat, "the name is there twice",
+                    line + ": " + entry.first.Scalar(), "Write each name once, as 'name: value'");
       }
       Result<TextNode> converted = convert(entry.second, file, depth + 1, nodes);
       if (!converted) return converted;
