@@ -1,4 +1,5 @@
-// tread map: a drive of stereo frames with poses to the maps of the ground, and the way to a goal.
+// tread map: a drive of stereo frames to the maps of the ground, and the way to a goal. Frames that
+// come without poses are placed by visual odometry.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -15,6 +16,7 @@
 #include "tread/io/map_files.hpp"
 #include "tread/io/source.hpp"
 #include "tread/io/trajectory_file.hpp"
+#include "tread/pipeline/odometry_source.hpp"
 #include "tread/terrain/features.hpp"
 
 namespace tread {
@@ -271,8 +273,11 @@ int run_map(const MapArguments& arguments) {
   }
   MapRun run;
   const Context context{arguments.common.threads, &run.timings};
-  const auto source =
+  auto source =
       open_pairs(arguments.source, {arguments.rig, arguments.poses, settings.images}, context);
+  if (source && !(*source)->has_poses() && (*source)->frame_count() > 1) {
+    source = with_odometry(std::move(*source), {}, context);
+  }
   if (!source) return print_error(source.error());
   auto mapper = RoverMapper::make((*source)->rig(), settings.map);
   if (!mapper) return print_error(mapper.error());

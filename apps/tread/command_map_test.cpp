@@ -161,14 +161,32 @@ TEST(TreadMap, WrongInputsAreNamed) {
   fs::create_directories(scratch / "empty");
   expect_refused("map " + (scratch / "empty").string(), {"empty"});
   fs::path path = copy_of_drive(scratch);
-  fs::remove(path / "poses.txt");
-  expect_refused("map " + path.string(), {"pose", "--poses"});
   fs::remove(path / "rig.yaml");
   expect_refused("map " + path.string(), {"rig"});
   expect_refused("map " + drive().string() + " --set cost.windw_m=1", {"cost.window_m"});
   ASSERT_TRUE(write_file(scratch / "o.yaml", "cost:\n  window_m: wide\n"));
   expect_refused("map " + drive().string() + " --config " + (scratch / "o.yaml").string(),
                  {"o.yaml:2", "cost.window_m", "wide"});
+}
+
+TEST(TreadMap, WithoutPosesVisualOdometryPlacesTheFrames) {
+  const ScratchFolder scratch;
+  const fs::path path = copy_of_drive(scratch);
+  const std::string with = (scratch / "with").string(), without = (scratch / "without").string();
+  ASSERT_EQ(tread("map " + path.string() + " -o " + with).status, 0);
+  fs::remove(path / "poses.txt");
+  const Ran ran = tread("map " + path.string() + " -o " + without);
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  EXPECT_NE(ran.out.find("placed by visual odometry"), std::string::npos) << ran.out;
+  // Both begin at the same place, so the ends may be compared as they are.
+  const auto truth = read_tum_trajectory(fs::path(with) / "trajectory.tum"),
+             found = read_tum_trajectory(fs::path(without) / "trajectory.tum");
+  ASSERT_TRUE(truth && found);
+  ASSERT_EQ(found->size(), truth->size());
+  const Isometry3d way = truth->front().pose.inverse() * truth->back().pose;
+  const Isometry3d found_way = found->front().pose.inverse() * found->back().pose;
+  EXPECT_GT(way.translation().norm(), 0.5);
+  EXPECT_LT((way.inverse() * found_way).translation().norm(), 0.05 * way.translation().norm());
 }
 
 TEST(TreadMap, NothingMappedIsAFailureWithItsReport) {

@@ -8,6 +8,7 @@
 
 #include "cloud_picture.hpp"
 #include "command.hpp"
+#include "tread/pipeline/odometry_source.hpp"
 #include "tread/stereo/edge_image.hpp"
 
 namespace tread {
@@ -156,7 +157,9 @@ std::vector<Quantity> quantities(const StereoSource& source, const RoverMapper& 
                   mount ? "" : "the rig has no mount"});
   const double down = std::round(pitch * 572.9578) / 10.0 + 0.0;  // no -0.0
   list.push_back({"camera pitch", fmt::format("{:.1f} degrees down", down), assumed});
-  if (!source.has_poses()) {
+  if (is_placed_by_odometry(source)) {
+    list.push_back({"pose", "visual odometry", false, "from the first pair on; it drifts"});
+  } else if (!source.has_poses()) {
     list.push_back({"pose", "the robot stands at the origin", true, "one pair without poses"});
   }
   return list;
@@ -256,7 +259,8 @@ Report map_report(const std::string& command_line, const StereoSource& source,
   }
   report.add_quantities("What it stands on", quantities(source, mapper));
   add_frame_section(mapper, run.sample, report);
-  const bool first_is_ahead = source.kind().starts_with("KITTI") || !source.has_poses();
+  const bool first_is_ahead =
+      source.kind().starts_with("KITTI") || !source.has_poses() || is_placed_by_odometry(source);
   report.add_section("The ground, all frames together",
                      first_is_ahead ? "x points ahead of the first pose, y to its left, z up."
                                     : "x, y and z as in the poses, z up.");
