@@ -7,25 +7,10 @@
 #include <functional>
 #include <string>
 
+#include "tread/sim/random.hpp"
 #include "tread/sim/world.hpp"
 
 namespace tread::test {
-
-// Integers that look random, 0 to 1: the same everywhere.
-class Dice {
- public:
-  explicit Dice(std::uint64_t seed) : state_(seed) {}
-  double operator()() {
-    std::uint64_t z = state_ += 0x9e3779b97f4a7c15U;
-    z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
-    return static_cast<double>((z ^ (z >> 31U)) >> 11U) * 0x1.0p-53;
-  }
-  double operator()(double low, double high) { return low + (high - low) * (*this)(); }
-
- private:
-  std::uint64_t state_;
-};
 
 // Ground of a shape, `size_m` square about the origin, all of one material.
 inline World ground_world(double size_m, double cell_m, Surface surface,
@@ -83,14 +68,36 @@ inline Solid block(double x, double y, double half_x, double half_y, double top_
                   Eigen::Vector3d::Zero(), name);
 }
 
+// Two pallets, and between them four stones below the feet of a walker at the origin.
+inline World stones_world() {
+  World world = flat_world();
+  world.solids = {block(1.0, 0.0, 0.4, 0.6, 0.15, "pallets[0]"),
+                  block(-1.0, 0.0, 0.4, 0.6, 0.15, "pallets[1]")};
+  for (const double x : {-0.36, 0.36}) {
+    for (const double y : {-0.32, 0.32}) {
+      world.solids.push_back(block(x, y, 0.09, 0.09, 0.07, "stones"));
+    }
+  }
+  return world;
+}
+
+// Steps up along x; a walker at the origin has its front feet on one.
+inline World stairs_world() {
+  World world = flat_world();
+  for (int i = 0; i < 6; ++i) {
+    world.solids.push_back(block(0.28 * i + 0.9, 0.0, 1.0, 1.0, 0.12 * (i + 1), "stairs"));
+  }
+  return world;
+}
+
 // A polyhedron of about unit radius: an octahedron whose corners are moved a little.
 inline Mesh rock_hull(std::uint64_t seed) {
-  Dice dice(seed);
+  Random dice(seed);
   Mesh hull;
   for (int axis = 0; axis < 3; ++axis) {
     for (const double sign : {1.0, -1.0}) {
-      Eigen::Vector3d v = sign * dice(0.8, 1.1) * Eigen::Vector3d::Unit(axis);
-      for (int i = 0; i < 3; ++i) v(i) += dice(-0.1, 0.1);
+      Eigen::Vector3d v = sign * dice.uniform(0.8, 1.1) * Eigen::Vector3d::Unit(axis);
+      for (int i = 0; i < 3; ++i) v(i) += dice.uniform(-0.1, 0.1);
       hull.vertices.emplace_back(v.cast<float>());
     }
   }
@@ -102,18 +109,20 @@ inline Mesh rock_hull(std::uint64_t seed) {
 // Solids of every shape, turned every way, strewn over the ground but not near the origin.
 inline void strew(World& world, int count, double half_side_m, std::uint64_t seed,
                   double least_m = 0.1, double most_m = 0.5) {
-  Dice dice(seed);
+  Random dice(seed);
   for (int i = 0; i < 4; ++i)
     world.hulls.push_back(rock_hull(seed + 10 + static_cast<unsigned>(i)));
   for (int i = 0; i < count; ++i) {
     Eigen::Vector2d p;
     do {
-      p = {dice(-half_side_m, half_side_m), dice(-half_side_m, half_side_m)};
+      p = {dice.uniform(-half_side_m, half_side_m), dice.uniform(-half_side_m, half_side_m)};
     } while (p.norm() < 2.0);
-    Eigen::Vector3d half(dice(least_m, most_m), dice(least_m, most_m), dice(least_m, most_m));
+    Eigen::Vector3d half(dice.uniform(least_m, most_m), dice.uniform(least_m, most_m),
+                         dice.uniform(least_m, most_m));
     const auto shape = static_cast<Solid::Shape>(i % 4);
     if (shape == Solid::Shape::kCylinder) half.y() = half.x();
-    const Eigen::Vector3d turn(dice(-1.5, 1.5), dice(-1.5, 1.5), dice(-1.5, 1.5));
+    const Eigen::Vector3d turn(dice.uniform(-1.5, 1.5), dice.uniform(-1.5, 1.5),
+                               dice.uniform(-1.5, 1.5));
     world.solids.push_back(solid_at(shape, {p.x(), p.y(), ground_height(world, p)}, half, turn,
                                     "rocks[" + std::to_string(i) + "]", Surface::kRock));
     world.solids.back().hull = i / 4 % 4;

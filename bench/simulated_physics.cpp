@@ -102,18 +102,11 @@ World rough_with_rocks() {
 
 World eight_hundred_boxes() {
   World world = test::flat_world(Surface::kConcrete, 30.0);
-  test::Dice dice(3);
+  Random dice(3);
   for (int i = 0; i < 800; ++i) {
-    world.solids.push_back(test::block(dice(-14.0, 14.0), dice(-14.0, 14.0), dice(0.1, 0.4),
-                                       dice(0.1, 0.4), dice(0.02, 0.12), "box"));
-  }
-  return world;
-}
-
-World stairs() {
-  World world = test::flat_world();
-  for (int i = 0; i < 6; ++i) {
-    world.solids.push_back(test::block(0.28 * i + 0.9, 0.0, 1.0, 1.0, 0.12 * (i + 1), "stairs"));
+    world.solids.push_back(test::block(dice.uniform(-14.0, 14.0), dice.uniform(-14.0, 14.0),
+                                       dice.uniform(0.1, 0.4), dice.uniform(0.1, 0.4),
+                                       dice.uniform(0.02, 0.12), "box"));
   }
   return world;
 }
@@ -133,7 +126,8 @@ int main(int argc, char** argv) {
       drive("rover, rough, 100 rocks", rough_with_rocks(), s),
       stand("walker, flat", test::flat_world(), s),
       stand("walker, slope 15 deg", test::slope_world(0.2618, Surface::kConcrete), s),
-      stand("walker, stairs", stairs(), s),
+      stand("walker, stones", test::stones_world(), s),
+      stand("walker, stairs", test::stairs_world(), s),
       stand("walker, rough 501x501", rough_ground(), s),
       stand("walker, 800 boxes", eight_hundred_boxes(), s),
   };

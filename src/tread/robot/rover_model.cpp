@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace tread {
 namespace {
@@ -62,7 +61,6 @@ OptionSet describe(RoverModelOptions& options) {
   set.add("stall_current_a", options.stall_current_a, "of a motor at full voltage", 0.1, 1e4);
   set.add("free_speed_m_per_s", options.free_speed_m_per_s, "at full voltage without load", 0.05,
           50.0);
-  set.add("encoder_steps", options.encoder_steps, "a turn of the wheel", 4, 10'000'000);
   set.add("bumper_force_n", options.bumper_force_n, "that presses the bumper", 0.1, 1e4);
   return set;
 }
@@ -102,11 +100,6 @@ double motor_torque_limit_nm(const RoverModelOptions& options, double speed_rad_
   const double current =
       std::clamp(options.stall_current_a * (1.0 - along / free), 0.0, options.current_limit_a);
   return (forward ? 1.0 : -1.0) * options.torque_nm_per_a * current;
-}
-
-double encoder_reading_rad(const RoverModelOptions& options, double angle_rad) {
-  const double step = 2.0 * std::numbers::pi / options.encoder_steps;
-  return step * std::floor(angle_rad / step);
 }
 
 }  // namespace tread

@@ -46,7 +46,6 @@ struct RoverModelOptions {
   double current_limit_a = 30.0;    // of the amplifier
   double stall_current_a = 60.0;    // of the motor at full voltage
   double free_speed_m_per_s = 2.0;  // at full voltage without load
-  int encoder_steps = 4096;         // a turn of the wheel
   double bumper_force_n = 15.0;     // that presses it
   [[nodiscard]] bool operator==(const RoverModelOptions&) const = default;
 };
@@ -71,7 +70,5 @@ struct WheelSpeeds {
 // the amplifier limits the current, and so does the voltage that the turning motor induces.
 [[nodiscard]] double motor_torque_limit_nm(const RoverModelOptions& options, double speed_rad_per_s,
                                            bool forward);
-// What the encoder shows of an angle: whole steps, rounded down.
-[[nodiscard]] double encoder_reading_rad(const RoverModelOptions& options, double angle_rad);
 
 }  // namespace tread

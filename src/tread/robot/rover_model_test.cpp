@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 namespace tread {
 namespace {
@@ -61,15 +60,6 @@ TEST(RoverModel, MotorsFadeTowardsTheirFreeSpeed) {
   EXPECT_NEAR(motor_torque_limit_nm(options, 0.75 * free, true), 22.5, 1e-9);
   EXPECT_EQ(motor_torque_limit_nm(options, 1.2 * free, true), 0.0);
   EXPECT_NEAR(motor_torque_limit_nm(options, 1.2 * free, false), -45.0, 1e-9) << "it can brake";
-}
-
-TEST(RoverModel, EncodersCountWholeSteps) {
-  RoverModelOptions options;
-  options.encoder_steps = 4;
-  const double step = 0.5 * std::numbers::pi;
-  EXPECT_EQ(encoder_reading_rad(options, 0.99 * step), 0.0);
-  EXPECT_NEAR(encoder_reading_rad(options, 7.01 * step), 7.0 * step, 1e-12);
-  EXPECT_NEAR(encoder_reading_rad(options, -0.01 * step), -step, 1e-12);
 }
 
 TEST(RoverModel, OptionsAreChecked) {

@@ -14,8 +14,6 @@
 namespace tread {
 namespace {
 
-using test::Dice;
-
 // A ball of 1 cm on a free joint, first 5 m up.
 RobotMjcf ball() {
   return {"", R"(<body pos="0 0 5"><freejoint/><geom name="ball" type="sphere" size="0.01" mass="1"
@@ -32,7 +30,7 @@ PhysicsModel physics_of(const World& world) {
 TEST(PhysicsModel, RaysFindWhatTheWorldSays) {
   World world = test::ground_world(20.0, 0.1, Surface::kSoil, [](double x, double y) {
     return test::rough_height(x, y) +
-           0.03 * Dice(static_cast<std::uint64_t>((x + 50.0) * 1e4 + (y + 50.0) * 1e7))();
+           0.03 * Random(static_cast<std::uint64_t>((x + 50.0) * 1e4 + (y + 50.0) * 1e7)).uniform();
   });
   world.ground.geometry.origin += Eigen::Vector2d(100.03, -41.7);  // no symmetry helps
   world.ground_surface.geometry = world.ground.geometry;
@@ -44,11 +42,12 @@ TEST(PhysicsModel, RaysFindWhatTheWorldSays) {
         ground_height(world, solid.T_world_solid.translation().head<2>());
   }
   const PhysicsModel physics = physics_of(world);
-  Dice dice(17);
+  Random dice(17);
   double worst = 0.0;
   int on_solids = 0;
   for (int i = 0; i < 20'000; ++i) {
-    const Eigen::Vector2d place = middle + Eigen::Vector2d(dice(-9.9, 9.9), dice(-9.9, 9.9));
+    const Eigen::Vector2d place =
+        middle + Eigen::Vector2d(dice.uniform(-9.9, 9.9), dice.uniform(-9.9, 9.9));
     const Eigen::Vector3d from(place.x(), place.y(), 4.0);
     const auto hit = physics.cast_ray(from, -Eigen::Vector3d::UnitZ());
     ASSERT_TRUE(hit) << place.transpose();
@@ -65,12 +64,12 @@ TEST(PhysicsModel, RaysFindWhatTheWorldSays) {
 // Rays and contacts are computed by different code of MuJoCo.
 TEST(PhysicsModel, ABallTouchesWhereTheWorldSays) {
   World world = test::ground_world(4.0, 0.2, Surface::kSoil, [](double x, double y) {
-    return 0.1 * Dice(static_cast<std::uint64_t>((x + 50.0) * 1e4 + (y + 50.0) * 1e7))();
+    return 0.1 * Random(static_cast<std::uint64_t>((x + 50.0) * 1e4 + (y + 50.0) * 1e7)).uniform();
   });
   world.solids.push_back(
       test::solid_at(Solid::Shape::kBox, {0.5, 0.5, 0.1}, {0.3, 0.2, 0.2}, {0.3, 0.2, 0.7}, "box"));
   PhysicsModel physics = physics_of(world);
-  Dice dice(5);
+  Random dice(5);
   constexpr double kRadius = 0.01;
   const auto touches_at = [&](const Eigen::Vector3d& p) {
     Isometry3d T = Isometry3d::Identity();
@@ -79,7 +78,7 @@ TEST(PhysicsModel, ABallTouchesWhereTheWorldSays) {
     return !physics.touches().empty();
   };
   for (int i = 0; i < 300; ++i) {
-    const Eigen::Vector2d place(dice(-1.9, 1.9), dice(-1.9, 1.9));
+    const Eigen::Vector2d place(dice.uniform(-1.9, 1.9), dice.uniform(-1.9, 1.9));
     // The ball's middle over the dilated world: the highest of all spheres about what it may touch.
     double expected = -1.0;
     for (int ring = 0; ring <= 10; ++ring) {

@@ -15,6 +15,8 @@ namespace tread {
 namespace {
 
 using test::block;
+using test::stairs_world;
+using test::stones_world;
 
 constexpr double kGravity = 9.81;
 
@@ -35,26 +37,6 @@ void run(
 }
 
 // Two pallets 1.2 m apart and stones 8 cm lower between them, under the feet at home.
-World stones_world() {
-  World world = test::flat_world();
-  world.solids = {block(1.0, 0.0, 0.4, 0.6, 0.15, "pallets[0]"),
-                  block(-1.0, 0.0, 0.4, 0.6, 0.15, "pallets[1]")};
-  for (const double x : {-0.36, 0.36}) {
-    for (const double y : {-0.32, 0.32}) {
-      world.solids.push_back(block(x, y, 0.09, 0.09, 0.07, "stones"));
-    }
-  }
-  return world;
-}
-
-World stairs_world() {
-  World world = test::flat_world();
-  for (int i = 0; i < 6; ++i) {
-    world.solids.push_back(block(0.28 * i + 0.9, 0.0, 1.0, 1.0, 0.12 * (i + 1), "stairs"));
-  }
-  return world;
-}
-
 struct Standing {
   double creep_m = 0.0;
   double force_error = 0.0;  // of the sum of contact forces, in weights
