@@ -176,8 +176,13 @@ Result<PhysicsModel> PhysicsModel::build(const World& world, const RobotMjcf& ro
     }
     physics.treads_.emplace_back().part = part;
   }
-  good = physics.set_time(0.0);
+  // Nobody has put the robot anywhere yet: where the model has it, it may be deep in the ground and
+  // have more contacts than there is room for. That counts from its place on.
+  physics.move_people();
+  good = guarded([&] { mj_forward(physics.model_.get(), physics.data_.get()); });
   if (!good) return forward(good);
+  for (mjWarningStat& warning : physics.data_->warning) warning.number = 0;
+  physics.update_treads();
   return physics;
 }
 

@@ -8,7 +8,9 @@
 
 #include "tread/sim/named_courses.hpp"
 #include "tread/sim/route_driver.hpp"
+#include "tread/sim/rover_body.hpp"
 #include "tread/sim/simulated_source.hpp"
+#include "tread/sim/walker_body.hpp"
 
 namespace tread {
 namespace {
@@ -150,6 +152,18 @@ TEST(SimulatedRobot, ASecondInTheMeadowIsWhatItHasAlwaysBeen) {
       for (int x = 0; x < 40; ++x) sum += picture(40 * (block % 4) + x, 40 * (block / 4) + y);
     }
     EXPECT_NEAR(sum / 1600.0, greys[static_cast<std::size_t>(block)], 0.7) << block;
+  }
+}
+
+TEST(SimulatedRobot, BothRobotsCanStartOnEveryShippedCourse) {
+  for (const std::string& name : course_names()) {
+    const auto course = find_course(name);
+    ASSERT_TRUE(course) << course.error().message();
+    const World& world = *course->world;
+    const auto rover = RoverBody::place(world, {}, world.start);
+    EXPECT_TRUE(rover) << name << ": " << rover.error().message();
+    const auto walker = WalkerBody::place(world, {}, world.start);
+    EXPECT_TRUE(walker) << name << ": " << walker.error().message();
   }
 }
 
